@@ -1,0 +1,1 @@
+//! Surfaces for ray tracing: triangle meshes, spheres, quads and discs over Embree or an embedded BVH.

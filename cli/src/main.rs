@@ -1,0 +1,3 @@
+//! The tyndall command: renders scenes with participating media.
+
+fn main() {}

@@ -1,0 +1,120 @@
+//! Estimators of the light that arrives at a sensor.
+
+use crate::{HostTypes, Sampler, SensorRay, Streams};
+use std::fmt;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// An estimator of radiance.
+///
+/// One *pass* prepares (traces light paths, builds a structure) and then estimates every pixel.
+/// The contract: the mean of [`Integrator::estimate`] plus splats, over samples and passes,
+/// converges to the expected radiance; it is already divided by the light paths emitted; it is
+/// finite. The driver counts what is not finite and reports it; nothing is clamped in silence.
+///
+/// Radii and the like depend on the pass index alone, so passes run in any order on any machine.
+/// State that must follow earlier passes lives in `Pixel` (per pixel, kept by the driver from pass
+/// to pass) or rides in `previous`.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` cannot render the host `{H}`",
+    note = "the host lacks a capability that the integrator bounds on; the notes below name it"
+)]
+pub trait Integrator<H: HostTypes>: Sync {
+    /// What a pass prepares for its pixels.
+    type Pass: Send + Sync + 'static;
+    /// What a pixel remembers from pass to pass.
+    type Pixel: Default + Clone + Send + 'static;
+
+    /// Prepares a pass. `previous` is what the last pass on this machine prepared, if any: memory
+    /// to reuse, or a state to continue for methods that are sequential by nature.
+    ///
+    /// # Errors
+    /// See [`PassError`].
+    fn begin_pass<R: Streams>(
+        &self,
+        host: &H,
+        cx: &PassContext<'_, R>,
+        previous: Option<Self::Pass>,
+    ) -> Result<Self::Pass, PassError>;
+
+    /// The radiance arriving along `ray`, without its weight.
+    fn estimate(
+        &self,
+        host: &H,
+        pass: &Self::Pass,
+        pixel: &mut Self::Pixel,
+        ray: &SensorRay<H::Spectrum>,
+        sampler: &mut impl Sampler,
+    ) -> H::Spectrum;
+
+    /// What the pass adds to the image by itself: light traced to the sensor.
+    fn splats<'p>(&self, pass: &'p Self::Pass) -> &'p [Splat<H::Spectrum>] {
+        let _ = pass;
+        &[]
+    }
+}
+
+/// A contribution to the film: its value is added to the pixel that holds `raster`.
+#[derive(Clone, Copy, Debug)]
+pub struct Splat<S> {
+    /// Where on the film, in pixels.
+    pub raster: [f32; 2],
+    /// Radiance, divided by the light paths of the pass.
+    pub value: S,
+}
+
+/// What a pass knows of the render it belongs to.
+#[derive(Debug)]
+pub struct PassContext<'a, R> {
+    /// Index of the pass, from 0; the progressive schedules depend on it and on nothing else.
+    pub pass: u64,
+    /// Random streams of the pass.
+    pub streams: &'a R,
+    cancelled: &'a AtomicBool,
+}
+
+impl<'a, R: Streams> PassContext<'a, R> {
+    /// A context; `cancelled` is set from outside to stop the pass early.
+    pub fn new(pass: u64, streams: &'a R, cancelled: &'a AtomicBool) -> Self {
+        Self {
+            pass,
+            streams,
+            cancelled,
+        }
+    }
+
+    /// Whether to give up: check between batches of light paths, return [`PassError::Cancelled`].
+    pub fn cancelled(&self) -> bool {
+        self.cancelled.load(Ordering::Relaxed)
+    }
+}
+
+/// Why a pass could not be prepared.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum PassError {
+    /// The render was cancelled.
+    Cancelled,
+    /// The structure would not fit: bytes needed and bytes allowed.
+    Memory {
+        /// What the pass would take.
+        needed: u64,
+        /// What the configuration grants.
+        allowed: u64,
+    },
+    /// The method cannot render this scene; the text says why and what to do.
+    Unsupported(String),
+}
+
+impl fmt::Display for PassError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Cancelled => write!(f, "the render was cancelled"),
+            Self::Memory { needed, allowed } => {
+                write!(f, "the pass needs {needed} bytes, {allowed} are allowed")
+            }
+            Self::Unsupported(why) => f.write_str(why),
+        }
+    }
+}
+
+impl std::error::Error for PassError {}

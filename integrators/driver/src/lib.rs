@@ -1,0 +1,1 @@
+//! Passes, film, budget and progress for integrators, on all cores.

@@ -1,0 +1,1 @@
+//! Volumetric path tracing: the unbiased reference.

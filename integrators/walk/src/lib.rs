@@ -1,0 +1,1 @@
+//! Walks of light and of sight through surfaces and media; sampling of points on segments.

@@ -1,0 +1,1 @@
+//! Participating media: homogeneous and gridded, phase functions, free flight and transmittance.

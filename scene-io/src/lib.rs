@@ -1,0 +1,1 @@
+//! Scenes from files and images to files: the host that the tyndall command renders.

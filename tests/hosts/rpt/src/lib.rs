@@ -1,0 +1,1 @@
+//! A third-party renderer that borrows an integrator of Tyndall.

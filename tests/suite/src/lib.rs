@@ -1,0 +1,1 @@
+//! Integrators on scenes and hosts against closed forms and against path.
