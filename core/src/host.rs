@@ -33,8 +33,10 @@ pub trait Geometry: HostTypes {
     /// A box around all surfaces and bounded lights; may be empty.
     fn bounds(&self) -> Aabb;
 
-    /// The nearest surface within the ray, and its distance.
-    fn intersect(&self, ray: &Ray) -> Option<(f32, Self::Hit)>;
+    /// The nearest surface within the ray, and its distance. The ray travels in `here`: a host
+    /// with nested boundaries keeps in the hit what its scattering needs to know of it (the index
+    /// of refraction on this side, or that a boundary of lower priority is not there at all).
+    fn intersect(&self, ray: &Ray, here: MediumId) -> Option<(f32, Self::Hit)>;
 
     /// The geometry of a hit.
     fn surface(&self, hit: &Self::Hit) -> Surface;
@@ -52,7 +54,8 @@ pub trait Geometry: HostTypes {
     /// As [`Geometry::spawn`].
     fn connect(&self, from: &Anchor<Self::Hit>, to: &Anchor<Self::Hit>) -> Ray;
 
-    /// Whether a surface other than [`SurfaceKind::Null`] lies within the ray.
+    /// Whether a surface lies within the ray. Asked only if the host says that no surface is
+    /// [`SurfaceKind::Null`], see [`Media::has_null_surfaces`].
     fn occluded(&self, ray: &Ray) -> bool;
 }
 
@@ -112,7 +115,8 @@ pub trait Media: HostTypes {
     /// overlapping boundaries are the host's to resolve.
     fn medium_across(&self, hit: &Self::Hit, direction: Vec3, here: MediumId) -> MediumId;
 
-    /// Whether any surface is [`SurfaceKind::Null`]: if not, connections need not look for them.
+    /// Whether any surface is, or may turn out to be, [`SurfaceKind::Null`]: if so, connections
+    /// walk from surface to surface instead of asking [`Geometry::occluded`].
     fn has_null_surfaces(&self) -> bool {
         true
     }
