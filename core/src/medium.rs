@@ -76,9 +76,6 @@ pub struct PhaseSample {
 /// What happened along a ray through a medium.
 #[derive(Clone, Copy, Debug)]
 pub struct FreeFlight<S> {
-    /// An estimate of the radiance that the medium itself emits towards the origin of the ray,
-    /// ∫ Tr·emission dt over the *whole* ray, whatever else happened.
-    pub emitted: S,
     /// With a collision: σt·Tr over the density of its distance. Without: Tr over the probability
     /// of passing.
     pub weight: S,
@@ -137,6 +134,10 @@ pub trait Medium: Send + Sync {
     /// An estimate of the transmittance of the ray, exp(−∫σt dt).
     fn transmittance(&self, ray: &Ray, sampler: &mut impl Sampler) -> Self::Spectrum;
 
+    /// An estimate of the radiance that the medium itself emits along the ray towards its origin,
+    /// ∫₀^t_max Tr(t)·emission(t) dt. Zero at no cost for a medium that does not emit.
+    fn emitted(&self, ray: &Ray, sampler: &mut impl Sampler) -> Self::Spectrum;
+
     /// A distance to the next collision.
     fn sample_free_flight(
         &self,
@@ -186,6 +187,9 @@ impl<S: Spectrum> Medium for Vacuum<S> {
         self.0
     }
     fn transmittance(&self, _: &Ray, _: &mut impl Sampler) -> S {
+        match self.0 {}
+    }
+    fn emitted(&self, _: &Ray, _: &mut impl Sampler) -> S {
         match self.0 {}
     }
     fn sample_free_flight(&self, _: &Ray, _: S, _: &mut impl Sampler) -> FreeFlight<S> {

@@ -49,4 +49,7 @@ pub struct BsdfSample<S> {
     pub pdf_w: f32,
     /// Whether the direction is discrete.
     pub delta: bool,
+    /// Index of refraction on the side of `wi` over that on the side of `wo`; 1 for a reflection.
+    /// Radiance scales with its square, which Russian roulette must not take for a loss.
+    pub eta: f32,
 }
