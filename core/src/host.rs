@@ -69,6 +69,7 @@ pub trait Shading: HostTypes {
     fn surface_kind(&self, hit: &Self::Hit) -> SurfaceKind;
 
     /// The scattering function f per steradian, without the cosine; zero for discrete directions.
+    /// An integrator multiplies by the cosine between `wi` and the shading normal.
     fn bsdf_eval(&self, hit: &Self::Hit, wo: Vec3, wi: Vec3, from: PathFrom) -> Self::Spectrum;
 
     /// A direction, or `None` if the path ends here.
