@@ -147,11 +147,15 @@ pub trait LightDirect: HostTypes {
         u: [f32; 4],
     ) -> Option<DirectSample<Self::Spectrum, Self::Hit>>;
 
-    /// The position on the light that [`LightDirect::sample_direct`] tends to choose for the same
-    /// `u` wherever `from` is; `None` for a light at infinity. Points along a ray are sampled
-    /// close to it (equiangular sampling). Any answer is unbiased, a good one has less variance.
-    fn pivot(&self, u: [f32; 4]) -> Option<Vec3> {
-        let _ = u;
+    /// The point near which light that [`LightDirect::sample_direct`] finds with the same `u`
+    /// matters to the points of `ray`; `None` for light from infinity. Points along the ray are
+    /// sampled with a density that falls with the squared distance from it (equiangular sampling).
+    ///
+    /// For a point on a lamp: that point. For a beam of light of radius r: a point at distance r
+    /// from where the axis comes nearest to the ray. Any answer is unbiased; a good one has less
+    /// variance.
+    fn pivot(&self, ray: &Ray, u: [f32; 4]) -> Option<Vec3> {
+        let _ = (ray, u);
         None
     }
 }

@@ -39,7 +39,9 @@ impl<'h, H: LightDirect> Line<'h, H> {
             ray: segment.ray,
             importance,
             u,
-            equiangular: host.pivot(u).map(|p| Equiangular::new(&segment.ray, p)),
+            equiangular: host
+                .pivot(&segment.ray, u)
+                .map(|p| Equiangular::new(&segment.ray, p)),
         }
     }
 
