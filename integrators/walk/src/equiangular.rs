@@ -10,6 +10,9 @@
 use glam::Vec3;
 use tyndall_core::Ray;
 
+/// Lengths below this are taken for it, so that densities stay finite in `f32`.
+const SHORTEST: f64 = 1e-30;
+
 /// The distribution of distances along one segment, for one pivot.
 ///
 /// ```
@@ -42,10 +45,7 @@ impl Equiangular {
         let foot = to_pivot.dot(direction);
         let length = f64::from(ray.t_max);
         let scale = if length.is_finite() { length } else { 0.0 };
-        let floor = 1e-6
-            * scale
-                .max(to_pivot.length())
-                .max(f64::from(f32::MIN_POSITIVE));
+        let floor = (1e-6 * scale.max(to_pivot.length())).max(SHORTEST);
         let height = (to_pivot - foot * direction).length().max(floor);
         let start = (-foot).atan2(height);
         // The angle between two directions from their cross and dot products: no cancellation.

@@ -1,0 +1,109 @@
+//! The command line.
+
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+use std::time::Duration;
+use tyndall_driver::Budget;
+
+#[derive(Debug, Parser)]
+#[command(name = "tyndall", version, about = "Renders scenes with participating media")]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Render a scene to an image.
+    Render(RenderArguments),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct RenderArguments {
+    /// The scene file (TOML).
+    pub(crate) scene: PathBuf,
+    /// The image: radiance and its variance, as EXR.
+    #[arg(short, long, value_name = "OUT.exr", value_parser = exr)]
+    pub(crate) output: PathBuf,
+    /// A tone-mapped copy.
+    #[arg(long, value_name = "OUT.png")]
+    pub(crate) png: Option<PathBuf>,
+    /// Instead of the scene's own integrator.
+    #[arg(long, value_name = "NAME")]
+    pub(crate) integrator: Option<String>,
+    #[command(flatten)]
+    budget: BudgetArguments,
+    /// Another seed gives an independent image.
+    #[arg(long, default_value_t = 0)]
+    pub(crate) seed: u64,
+    /// Threads to render on; all cores by default.
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
+    pub(crate) threads: Option<u16>,
+    /// Overrides a value of the scene file, as in `--set film.width=64`.
+    #[arg(long, value_name = "KEY=VALUE", value_parser = assignment)]
+    pub(crate) set: Vec<(String, String)>,
+}
+
+/// When to stop; the scene's own number of passes by default.
+#[derive(Debug, Args)]
+#[group(multiple = false)]
+struct BudgetArguments {
+    /// Stop after this many passes (samples a pixel).
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    passes: Option<u64>,
+    /// Stop after this time, as in 30s, 5m, 1h.
+    #[arg(long, value_name = "TIME", value_parser = duration)]
+    time: Option<Duration>,
+    /// Stop at this relative standard error (root mean square over the image).
+    #[arg(long, value_name = "ERROR", value_parser = positive)]
+    error: Option<f64>,
+}
+
+impl RenderArguments {
+    /// What the command line asks for, if it does.
+    pub(crate) fn budget(&self) -> Option<Budget> {
+        let BudgetArguments {
+            passes,
+            time,
+            error,
+        } = self.budget;
+        passes
+            .map(Budget::Passes)
+            .or(time.map(Budget::Time))
+            .or(error.map(Budget::RelativeError))
+    }
+}
+
+fn exr(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    match path.extension() {
+        Some(extension) if extension.eq_ignore_ascii_case("exr") => Ok(path),
+        _ => Err("the image is an EXR: name it OUT.exr (a PNG comes with --png)".into()),
+    }
+}
+
+fn assignment(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((key, value)) if !key.is_empty() => Ok((key.into(), value.into())),
+        _ => Err("expected KEY=VALUE, as in film.width=64".into()),
+    }
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(value) if value > 0.0 && f64::is_finite(value) => Ok(value),
+        _ => Err("expected a positive number, as in 0.01".into()),
+    }
+}
+
+fn duration(text: &str) -> Result<Duration, String> {
+    let digits = text.trim_end_matches(char::is_alphabetic);
+    let seconds = match &text[digits.len()..] {
+        "" | "s" => 1.0,
+        "m" => 60.0,
+        "h" => 3600.0,
+        unit => return Err(format!("the unit `{unit}` is none of s, m, h")),
+    };
+    let time = positive(digits).map_err(|_| "expected a time, as in 30s, 5m or 1h".to_string())?;
+    Duration::try_from_secs_f64(time * seconds).map_err(|e| e.to_string())
+}
