@@ -30,7 +30,8 @@ pub trait HostTypes: Sync {
     note = "implement `tyndall_core::Geometry`: intersection, spawned rays, occlusion"
 )]
 pub trait Geometry: HostTypes {
-    /// A box around all surfaces and bounded lights; may be empty.
+    /// A box around all surfaces and bounded lights: empty if there are none, infinite where they
+    /// are. An integrator that derives a length from it needs a rule for both.
     fn bounds(&self) -> Aabb;
 
     /// The nearest surface within the ray, and its distance. The ray travels in `here`: a host
@@ -69,7 +70,8 @@ pub trait Shading: HostTypes {
     fn surface_kind(&self, hit: &Self::Hit) -> SurfaceKind;
 
     /// The scattering function f per steradian, without the cosine; zero for discrete directions.
-    /// An integrator multiplies by the cosine between `wi` and the shading normal.
+    /// An integrator multiplies by the cosine between `wi` and the shading normal nₛ. Both ends
+    /// agree: f(wo, wi, Sensor)·|wi·nₛ|/|wi·n| = f(wi, wo, Light)·|wo·nₛ|/|wo·n|.
     fn bsdf_eval(&self, hit: &Self::Hit, wo: Vec3, wi: Vec3, from: PathFrom) -> Self::Spectrum;
 
     /// A direction, or `None` if the path ends here.

@@ -21,8 +21,9 @@ pub enum LightKind {
 pub struct EmissionSample<S> {
     /// From the source into the scene.
     pub ray: Ray,
-    /// Power that the sample stands for: emitted radiance × cosine / density, in W. Its mean over
-    /// all samples is the total power of the lights.
+    /// Power that the sample stands for, in W: its mean over all samples is the total power of the
+    /// lights. Emitted radiance × cosine over both densities; where `kind` makes one of them a
+    /// probability, intensity or irradiance takes the place of radiance.
     pub flux: S,
     /// Densities of this sample, the choice of the light included.
     pub pdf: EmissionPdf,

@@ -53,7 +53,7 @@ pub enum Anchor<Hit> {
 /// A ray of the sensor.
 #[derive(Clone, Copy, Debug)]
 pub struct SensorRay<S> {
-    /// From the sensor into the scene.
+    /// From the sensor into the scene; infinite.
     pub ray: Ray,
     /// The pixel value is `weight` times the radiance arriving along the ray (lens, vignetting).
     pub weight: S,

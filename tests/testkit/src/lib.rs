@@ -1,1 +1,22 @@
 //! Analytic hosts, statistical tests and conformance macros for hosts and integrators of Tyndall.
+//!
+//! - Who writes a *host* (an adapter for a renderer) calls [`host_conformance!`] on it.
+//! - Who writes an *integrator* calls [`integrator_conformance!`], then lets it [`measure`] an
+//!   [`hosts::AnalyticHost`] and holds the result against [`closed_form`] by
+//!   [`stats::assert_mean`].
+//! - Who writes a sampler tests it by [`stats::chi2_sphere`] or [`stats::kolmogorov_smirnov`].
+//!
+//! Every statistical test takes or states its false-alarm rate; tolerances come from standard
+//! errors, apart from [`stats::ROUNDING`] and the bounds that a check documents.
+#![forbid(unsafe_code)]
+
+pub mod closed_form;
+pub mod conformance;
+pub mod hosts;
+mod measure;
+mod quadrature;
+mod rng;
+pub mod stats;
+
+pub use measure::{measure, measure_mean};
+pub use rng::{TestSampler, rng};
