@@ -62,6 +62,24 @@ pub trait PhaseFunction {
     fn mean_cosine(&self) -> f32;
 }
 
+impl<P: PhaseFunction> PhaseFunction for &P {
+    #[inline]
+    fn eval(&self, wo: Vec3, wi: Vec3) -> f32 {
+        (**self).eval(wo, wi)
+    }
+    #[inline]
+    fn sample(&self, wo: Vec3, u: [f32; 2]) -> PhaseSample {
+        (**self).sample(wo, u)
+    }
+    #[inline]
+    fn pdf_w(&self, wo: Vec3, wi: Vec3) -> f32 {
+        (**self).pdf_w(wo, wi)
+    }
+    fn mean_cosine(&self) -> f32 {
+        (**self).mean_cosine()
+    }
+}
+
 /// A sampled direction of scattering.
 #[derive(Clone, Copy, Debug)]
 pub struct PhaseSample {

@@ -1,1 +1,46 @@
 //! Participating media: homogeneous and gridded, phase functions, free flight and transmittance.
+//!
+//! | medium | free flight | transmittance | coefficients |
+//! |---|---|---|---|
+//! | [`Homogeneous`] | closed form | closed form | constant, per channel |
+//! | [`GridMedium`] | delta tracking | ratio tracking, or closed form | density grid × constant, with optional albedo and emission grids |
+//!
+//! [`AnyMedium`] is either. [`Phase`] holds the phase functions; [`plume`] makes a smoke to try.
+//!
+//! # Channels
+//! A distance is sampled for all channels at once: its density is the mean of the channels'
+//! densities σt·Tr weighted by `importance` (see [`tyndall_core::Medium`]), so Σ importance·weight
+//! is the same for every outcome of a free flight and no channel can throw bright dots. A channel
+//! of zero importance gets weight 0, for nothing in it will be seen.
+//!
+//! # Precision
+//! Coefficients of 0 to 1e6 per scene unit, distances of 1e-6 to 1e6 and infinity, asymmetry up to
+//! 0.999 either way, albedo 0 and 1: finite and right to the rounding of `f32`, with one exception
+//! named at [`Homogeneous::new`]. Distances along a ray are stepped, and optical depths summed, in
+//! `f64`.
+#![forbid(unsafe_code)]
+
+mod any;
+mod channels;
+mod error;
+mod grid;
+mod grid_medium;
+mod homogeneous;
+mod lattice;
+mod majorant;
+mod phase;
+mod plume;
+mod tracking;
+
+pub use any::AnyMedium;
+pub use error::MediumError;
+pub use grid::{DenseGrid, Filter};
+pub use grid_medium::{GridMedium, Tracking};
+pub use homogeneous::Homogeneous;
+pub use phase::{Blend, HenyeyGreenstein, Phase, Rayleigh, Tabulated};
+pub use plume::plume;
+
+/// The example of the README compiles.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

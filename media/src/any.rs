@@ -1,0 +1,75 @@
+//! Any medium of this crate.
+
+use crate::{GridMedium, Homogeneous, Phase};
+use glam::Vec3;
+use std::ops::ControlFlow;
+use tyndall_core::{Coefficients, FreeFlight, Majorant, Medium, Ray, Sampler, Spectrum};
+
+/// One of the media of this crate, for scenes that mix them.
+#[derive(Clone, Debug)]
+pub enum AnyMedium<S> {
+    /// The same everywhere.
+    Homogeneous(Homogeneous<S>),
+    /// A density grid.
+    Grid(Box<GridMedium<S>>),
+}
+
+/// Calls the same method of whichever medium it is.
+macro_rules! forward {
+    ($self:ident, $medium:ident => $call:expr) => {
+        match $self {
+            AnyMedium::Homogeneous($medium) => $call,
+            AnyMedium::Grid($medium) => $call,
+        }
+    };
+}
+
+impl<S: Spectrum> Medium for AnyMedium<S> {
+    type Spectrum = S;
+    type Phase<'a> = &'a Phase;
+
+    #[inline]
+    fn coefficients(&self, p: Vec3) -> Coefficients<S> {
+        forward!(self, medium => medium.coefficients(p))
+    }
+
+    #[inline]
+    fn phase(&self, p: Vec3) -> &Phase {
+        forward!(self, medium => medium.phase(p))
+    }
+
+    #[inline]
+    fn transmittance(&self, ray: &Ray, sampler: &mut impl Sampler) -> S {
+        forward!(self, medium => medium.transmittance(ray, sampler))
+    }
+
+    #[inline]
+    fn emitted(&self, ray: &Ray, sampler: &mut impl Sampler) -> S {
+        forward!(self, medium => medium.emitted(ray, sampler))
+    }
+
+    #[inline]
+    fn sample_free_flight(
+        &self,
+        ray: &Ray,
+        importance: S,
+        sampler: &mut impl Sampler,
+    ) -> FreeFlight<S> {
+        forward!(self, medium => medium.sample_free_flight(ray, importance, sampler))
+    }
+
+    #[inline]
+    fn pdf_free_flight(&self, ray: &Ray, t: f32, importance: S) -> f32 {
+        forward!(self, medium => medium.pdf_free_flight(ray, t, importance))
+    }
+
+    #[inline]
+    fn majorants(&self, ray: &Ray, visit: impl FnMut(Majorant) -> ControlFlow<()>) {
+        forward!(self, medium => medium.majorants(ray, visit));
+    }
+
+    #[inline]
+    fn homogeneous(&self) -> Option<Coefficients<S>> {
+        forward!(self, medium => medium.homogeneous())
+    }
+}

@@ -1,0 +1,93 @@
+//! What is wrong with the numbers of a medium.
+
+use thiserror::Error;
+
+/// Why a medium or a phase function could not be made.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum MediumError {
+    /// A coefficient is negative, not finite, or overflows with the others.
+    #[error(
+        "`{field}` of channel {channel} is {value}; make it finite and at least 0 (and so that extinction does not overflow)"
+    )]
+    Coefficient {
+        /// Which coefficient.
+        field: &'static str,
+        /// In which channel.
+        channel: usize,
+        /// Its value.
+        value: f32,
+    },
+    /// The mean cosine is out of range.
+    #[error("`g` is {g}; make it at most 0.999 either way")]
+    Asymmetry {
+        /// The mean cosine asked for.
+        g: f32,
+    },
+    /// The nodes of a tabulated phase function are unusable.
+    #[error(
+        "`cosines` of a tabulated phase function must rise strictly from -1 to 1, one for each of `values`; node {node} does not"
+    )]
+    TableCosines {
+        /// The first bad node.
+        node: usize,
+    },
+    /// A value of a tabulated phase function is negative or not finite, or all are zero.
+    #[error(
+        "`values` of a tabulated phase function must be finite, at least 0 and not all 0; node {node} is {value}"
+    )]
+    TableValue {
+        /// The first bad node.
+        node: usize,
+        /// Its value.
+        value: f32,
+    },
+    /// A weight of a blend is negative or not finite, or there is none above zero.
+    #[error(
+        "weights of blended phase functions must be finite, at least 0 and not all 0; number {index} is {weight}"
+    )]
+    BlendWeight {
+        /// The first bad component.
+        index: usize,
+        /// Its weight.
+        weight: f32,
+    },
+    /// The box of a grid has no volume or no end.
+    #[error("`bounds` of a grid must be finite and have a volume; make every edge longer than 0")]
+    GridBounds,
+    /// The number of values is not the number of voxels, or there are none.
+    #[error(
+        "a grid of {} x {} x {} voxels was given {values} values; give one for each voxel, x fastest",
+        .resolution[0], .resolution[1], .resolution[2]
+    )]
+    GridValues {
+        /// Voxels in each axis.
+        resolution: [usize; 3],
+        /// Values given.
+        values: usize,
+    },
+    /// A voxel is negative or not finite.
+    #[error(
+        "voxel {voxel:?} of a grid is {value} in channel {channel}; make it finite and at least 0"
+    )]
+    Voxel {
+        /// The first bad voxel, \[x, y, z\].
+        voxel: [usize; 3],
+        /// The first bad channel in it.
+        channel: usize,
+        /// Its value.
+        value: f32,
+    },
+    /// A voxel of an albedo grid is above 1.
+    #[error(
+        "voxel {voxel:?} of the albedo grid is {value} in channel {channel}; make it at most 1"
+    )]
+    Albedo {
+        /// The first bad voxel, \[x, y, z\].
+        voxel: [usize; 3],
+        /// The first bad channel in it.
+        channel: usize,
+        /// Its value.
+        value: f32,
+    },
+}
