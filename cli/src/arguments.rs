@@ -6,7 +6,11 @@ use std::time::Duration;
 use tyndall_driver::Budget;
 
 #[derive(Debug, Parser)]
-#[command(name = "tyndall", version, about = "Renders scenes with participating media")]
+#[command(
+    name = "tyndall",
+    version,
+    about = "Renders scenes with participating media"
+)]
 pub(crate) struct Arguments {
     #[command(subcommand)]
     pub(crate) command: Command,

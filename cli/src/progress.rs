@@ -19,13 +19,12 @@ impl Bar {
         Self(bar)
     }
 
-    /// After a pass over `pixels` pixels.
-    pub(crate) fn report(&self, progress: &Progress, pixels: f64) {
-        let rate = progress.passes as f64 * pixels / progress.elapsed.as_secs_f64();
+    /// After a pass.
+    pub(crate) fn report(&self, progress: &Progress) {
         self.0.set_message(format!(
-            "{} passes, {:.3} Msamples/s, error {:.2} %",
+            "{} passes, {:.1} a second, error {:.2} %",
             progress.passes,
-            rate * 1e-6,
+            progress.passes as f64 / progress.elapsed.as_secs_f64(),
             100.0 * progress.relative_error,
         ));
         self.0
@@ -40,7 +39,10 @@ impl Drop for Bar {
 }
 
 /// A line for the person at the terminal.
-#[expect(clippy::print_stderr, reason = "the command speaks here and nowhere else")]
+#[expect(
+    clippy::print_stderr,
+    reason = "the command speaks here and nowhere else"
+)]
 pub(crate) fn message(text: &str) {
     eprintln!("{text}");
 }

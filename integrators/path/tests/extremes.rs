@@ -64,7 +64,7 @@ fn furnaces_from_empty_to_opaque() {
 fn opaque_media_that_absorb_are_black_inside_and_finite() {
     for sigma_a in [1e3, 1e6] {
         for sigma_s in [0.0, 1e3, 1e6] {
-            let medium = fog(Rgb::new(sigma_a, 0.0, 1.0), Rgb::splat(sigma_s) * 1e-3, 0.9);
+            let medium = fog(Rgb::new(sigma_a, 0.0, 1.0), Rgb::splat(sigma_s), 0.9);
             let view = View::Fluence {
                 position: Vec3::ZERO,
             };

@@ -1,0 +1,157 @@
+//! What a scene's geometry is made of.
+
+use crate::octahedral;
+use crate::surfaces::ShapeHit;
+use glam::{DVec3, Vec2, Vec3};
+use tyndall_core::Aabb;
+
+/// A shape; its place in the list given to [`Surfaces::build`](crate::Surfaces::build) is its name.
+#[derive(Clone, Debug)]
+pub enum Shape {
+    /// Triangles.
+    Mesh(Mesh),
+    /// A true sphere. Its geometric normal points outwards.
+    Sphere {
+        /// Centre.
+        center: Vec3,
+        /// Radius, positive.
+        radius: f32,
+    },
+    /// The parallelogram `corner + u·edge_u + v·edge_v`, u and v in \[0, 1\]. Its geometric normal
+    /// is along `edge_u × edge_v`.
+    Quad {
+        /// Where u = v = 0.
+        corner: Vec3,
+        /// From the corner along u.
+        edge_u: Vec3,
+        /// From the corner along v.
+        edge_v: Vec3,
+    },
+    /// A flat disc.
+    Disk {
+        /// Centre.
+        center: Vec3,
+        /// Geometric normal, of any length but zero.
+        normal: Vec3,
+        /// Radius, positive.
+        radius: f32,
+    },
+}
+
+/// A triangle mesh. The geometric normal of a triangle (p0, p1, p2) is along (p1−p0) × (p2−p0).
+#[derive(Clone, Debug, Default)]
+pub struct Mesh {
+    /// Vertices.
+    pub positions: Vec<Vec3>,
+    /// Shading normals, one a vertex and of any length, or none at all.
+    pub normals: Vec<Vec3>,
+    /// Texture coordinates, one a vertex, or none at all.
+    pub uvs: Vec<Vec2>,
+    /// Vertex indices.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl Shape {
+    /// How many primitives it has: triangles of a mesh, one otherwise.
+    pub fn primitive_count(&self) -> usize {
+        match self {
+            Self::Mesh(mesh) => mesh.triangles.len(),
+            _ => 1,
+        }
+    }
+
+    /// Where in space a hit is, to the rounding of `f32`.
+    pub(crate) fn position(&self, hit: &ShapeHit) -> Vec3 {
+        let uv = hit.uv.as_dvec2();
+        let position = match *self {
+            Self::Mesh(ref mesh) => {
+                let [p0, p1, p2] = mesh.corners(hit.primitive).map(|p| p.as_dvec3());
+                p0 + uv.x * (p1 - p0) + uv.y * (p2 - p0)
+            }
+            Self::Quad {
+                corner,
+                edge_u,
+                edge_v,
+            } => corner.as_dvec3() + uv.x * edge_u.as_dvec3() + uv.y * edge_v.as_dvec3(),
+            Self::Sphere { center, radius } => {
+                center.as_dvec3() + f64::from(radius) * octahedral::decode(hit.uv)
+            }
+            Self::Disk {
+                center,
+                normal,
+                radius,
+            } => {
+                let [s, t] = disk_axes(normal);
+                let p = f64::from(radius) * (2.0 * uv - 1.0);
+                center.as_dvec3() + p.x * s + p.y * t
+            }
+        };
+        position.as_vec3()
+    }
+
+    /// The smallest box around it, up to rounding outwards.
+    pub(crate) fn bounds(&self) -> Aabb {
+        match *self {
+            Self::Mesh(ref mesh) => {
+                let used = mesh.triangles.iter().flatten();
+                Aabb::of_points(used.map(|&i| mesh.positions[i as usize]))
+            }
+            Self::Sphere { center, radius } => around(center, DVec3::splat(radius.into())),
+            Self::Quad {
+                corner,
+                edge_u,
+                edge_v,
+            } => Aabb::of_points(quad_corners(corner, edge_u, edge_v)),
+            Self::Disk {
+                center,
+                normal,
+                radius,
+            } => {
+                let n = normal.as_dvec3().normalize();
+                let sine = (DVec3::ONE - n * n).max(DVec3::ZERO).map(f64::sqrt);
+                around(center, f64::from(radius) * sine)
+            }
+        }
+    }
+}
+
+impl Mesh {
+    /// The vertices of a triangle.
+    pub(crate) fn corners(&self, triangle: u32) -> [Vec3; 3] {
+        self.triangles[triangle as usize].map(|i| self.positions[i as usize])
+    }
+
+    /// A vertex attribute at barycentric coordinates `uv` of a triangle.
+    pub(crate) fn interpolate<T>(&self, attribute: &[T], triangle: u32, uv: Vec2) -> T
+    where
+        T: Copy + std::ops::Add<Output = T> + std::ops::Mul<f32, Output = T>,
+    {
+        let [a, b, c] = self.triangles[triangle as usize].map(|i| attribute[i as usize]);
+        a * (1.0 - uv.x - uv.y) + b * uv.x + c * uv.y
+    }
+}
+
+/// Corners in the order of the boundary, each rounded once.
+pub(crate) fn quad_corners(corner: Vec3, edge_u: Vec3, edge_v: Vec3) -> [Vec3; 4] {
+    let [p, u, v] = [corner, edge_u, edge_v].map(|x| x.as_dvec3());
+    [p, p + u, p + u + v, p + v].map(|x| x.as_vec3())
+}
+
+/// (p1−p0) × (p2−p0), zero for what is never met.
+pub(crate) fn cross([p0, p1, p2]: [Vec3; 3]) -> DVec3 {
+    let p0 = p0.as_dvec3();
+    (p1.as_dvec3() - p0).cross(p2.as_dvec3() - p0)
+}
+
+/// Axes of the plane of a disc.
+pub(crate) fn disk_axes(normal: Vec3) -> [DVec3; 2] {
+    normal.as_dvec3().normalize().any_orthonormal_pair().into()
+}
+
+fn around(center: Vec3, half: DVec3) -> Aabb {
+    let center = center.as_dvec3();
+    Aabb {
+        min: (center - half).as_vec3().map(f32::next_down),
+        max: (center + half).as_vec3().map(f32::next_up),
+    }
+}

@@ -1,0 +1,205 @@
+//! The geometry of a scene.
+
+use crate::embedded::Embedded;
+#[cfg(feature = "embree")]
+use crate::embree::Embree;
+use crate::error::SurfaceError;
+use crate::meet::Line;
+use crate::octahedral;
+use crate::shape::{Shape, cross};
+use crate::validate::validate;
+use glam::{Vec2, Vec3};
+use tyndall_core::{Aabb, Ray, Surface};
+
+/// What finds the primitive that a ray meets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Backend {
+    /// `obvhs`: needs no system library.
+    #[cfg_attr(not(feature = "embree"), default)]
+    Embedded,
+    /// Embree 3: the default where the feature `embree` is on.
+    #[cfg(feature = "embree")]
+    #[default]
+    Embree,
+}
+
+/// A point on a shape; [`Surfaces::surface`] tells where in space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShapeHit {
+    /// Index of the shape in the list given to [`Surfaces::build`].
+    pub shape: u32,
+    /// The triangle of a mesh, 0 for any other shape.
+    pub primitive: u32,
+    /// Where on the primitive, in the unit square. Triangle: barycentric, the weights of p1 and
+    /// p2. Quad: along `edge_u` and `edge_v`. Sphere: the octahedral map of the normal. Disc: its
+    /// bounding square, in axes that depend on the normal.
+    pub uv: Vec2,
+}
+
+/// All shapes of a scene, ready for rays.
+pub struct Surfaces {
+    shapes: Vec<Shape>,
+    bounds: Aabb,
+    engine: Engine,
+}
+
+enum Engine {
+    Embedded(Embedded),
+    #[cfg(feature = "embree")]
+    Embree(Embree),
+}
+
+impl Surfaces {
+    /// Builds over `shapes`; [`Surfaces::occluded`] ignores those whose flag in `null` is set.
+    ///
+    /// # Errors
+    /// See [`SurfaceError`]; it names the shape and what to do.
+    pub fn build(
+        shapes: Vec<Shape>,
+        null: Vec<bool>,
+        backend: Backend,
+    ) -> Result<Self, SurfaceError> {
+        validate(&shapes, &null)?;
+        let engine = match backend {
+            Backend::Embedded => Engine::Embedded(Embedded::build(&shapes, &null)),
+            #[cfg(feature = "embree")]
+            Backend::Embree => Engine::Embree(Embree::build(&shapes, &null)?),
+        };
+        let bounds = shapes
+            .iter()
+            .fold(Aabb::EMPTY, |b, shape| b.union(shape.bounds()));
+        Ok(Self {
+            shapes,
+            bounds,
+            engine,
+        })
+    }
+
+    /// A box around all shapes; empty if there are none.
+    pub fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
+    /// The nearest point within the ray, null shapes included, and its distance.
+    #[inline]
+    pub fn intersect(&self, ray: &Ray) -> Option<(f32, ShapeHit)> {
+        if !self.is_far(ray) {
+            return self.intersect_nearby(ray);
+        }
+        let near = self.approach(ray)?;
+        let (t, hit) = self.intersect_nearby(&near)?;
+        let t = (near.at(t).as_dvec3() - ray.origin.as_dvec3()).length();
+        let shape = self.shape(hit.shape);
+        let (t, uv) = shape.meet(hit.primitive, &ray.into(), t);
+        Some(((t as f32).min(ray.t_max), ShapeHit { uv, ..hit }))
+    }
+
+    /// Whether a shape that is not null lies within the ray.
+    #[inline]
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        let occluded = |ray: &Ray| match &self.engine {
+            Engine::Embedded(tree) => tree.occluded(ray),
+            #[cfg(feature = "embree")]
+            Engine::Embree(scene) => scene.occluded(ray),
+        };
+        if self.is_far(ray) {
+            self.approach(ray).is_some_and(|near| occluded(&near))
+        } else {
+            occluded(ray)
+        }
+    }
+
+    #[inline]
+    fn intersect_nearby(&self, ray: &Ray) -> Option<(f32, ShapeHit)> {
+        match &self.engine {
+            Engine::Embedded(tree) => tree.intersect(&self.shapes, ray),
+            #[cfg(feature = "embree")]
+            Engine::Embree(scene) => scene.intersect(&self.shapes, ray),
+        }
+    }
+
+    /// Whether a ray starts farther from the shapes than twice their size.
+    #[inline]
+    fn is_far(&self, ray: &Ray) -> bool {
+        let away = self.bounds.center() - ray.origin;
+        away.length_squared() > 4.0 * self.bounds.size().length_squared()
+    }
+
+    /// The same ray started at that distance, so that `f32` still resolves the shapes; `None` if it
+    /// ends before.
+    #[cold]
+    fn approach(&self, ray: &Ray) -> Option<Ray> {
+        let Line { origin, direction } = ray.into();
+        let away = self.bounds.center().as_dvec3() - origin;
+        let skip = away.dot(direction) - 2.0 * self.bounds.size().as_dvec3().length();
+        if skip <= 0.0 {
+            return Some(*ray);
+        }
+        let t_max = f64::from(ray.t_max) - skip;
+        (t_max > 0.0).then(|| Ray {
+            origin: (origin + skip * direction).as_vec3(),
+            direction: ray.direction,
+            t_max: (t_max as f32).next_up(),
+        })
+    }
+
+    /// Position and normals of a hit. The shading normal is interpolated over a mesh that has
+    /// normals, and turned to the side of the geometric one.
+    pub fn surface(&self, hit: &ShapeHit) -> Surface {
+        let geometric_normal = self.normal(hit);
+        let smooth = match self.shape(hit.shape) {
+            Shape::Mesh(mesh) if !mesh.normals.is_empty() => mesh
+                .interpolate(&mesh.normals, hit.primitive, hit.uv)
+                .normalize_or(geometric_normal),
+            _ => geometric_normal,
+        };
+        let side = 1_f32.copysign(smooth.dot(geometric_normal));
+        Surface {
+            position: self.shape(hit.shape).position(hit),
+            geometric_normal,
+            shading_normal: side * smooth,
+        }
+    }
+
+    /// Texture coordinates of a hit: those of the mesh if it has any, `hit.uv` otherwise.
+    pub fn uv(&self, hit: &ShapeHit) -> Vec2 {
+        match self.shape(hit.shape) {
+            Shape::Mesh(mesh) if !mesh.uvs.is_empty() => {
+                mesh.interpolate(&mesh.uvs, hit.primitive, hit.uv)
+            }
+            _ => hit.uv,
+        }
+    }
+
+    /// The unit normal of the true geometry; zero for a triangle without area.
+    pub(crate) fn normal(&self, hit: &ShapeHit) -> Vec3 {
+        let normal = match *self.shape(hit.shape) {
+            Shape::Mesh(ref mesh) => cross(mesh.corners(hit.primitive)),
+            Shape::Sphere { .. } => octahedral::decode(hit.uv),
+            Shape::Quad { edge_u, edge_v, .. } => cross([Vec3::ZERO, edge_u, edge_v]),
+            Shape::Disk { normal, .. } => normal.as_dvec3(),
+        };
+        normal.normalize_or_zero().as_vec3()
+    }
+
+    /// A shape by its index.
+    ///
+    /// # Panics
+    /// If there is none.
+    pub fn shape(&self, shape: u32) -> &Shape {
+        &self.shapes[shape as usize]
+    }
+
+    /// How many shapes there are.
+    pub fn shape_count(&self) -> usize {
+        self.shapes.len()
+    }
+
+    /// How many primitives a shape has.
+    ///
+    /// # Panics
+    /// If there is no such shape.
+    pub fn primitive_count(&self, shape: u32) -> usize {
+        self.shape(shape).primitive_count()
+    }
+}

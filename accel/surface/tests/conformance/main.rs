@@ -1,0 +1,29 @@
+//! One suite that every backend passes.
+
+mod edge_cases;
+mod errors;
+mod hits;
+mod leave;
+mod random;
+mod reference;
+mod sampling;
+mod scenes;
+mod surface;
+mod watertight;
+
+use tyndall_surface::{Backend, Shape, Surfaces};
+
+const BACKENDS: &[Backend] = &[
+    Backend::Embedded,
+    #[cfg(feature = "embree")]
+    Backend::Embree,
+];
+
+/// The shapes under every backend, none of them null.
+fn built(shapes: &[Shape]) -> impl Iterator<Item = (Backend, Surfaces)> {
+    BACKENDS.iter().map(move |&backend| {
+        let null = vec![false; shapes.len()];
+        let surfaces = Surfaces::build(shapes.to_vec(), null, backend);
+        (backend, surfaces.expect("the shapes are valid"))
+    })
+}
