@@ -1,1 +1,25 @@
-//! Scenes from files and images to files: the host that the tyndall command renders.
+#![doc = include_str!("../README.md")]
+#![forbid(unsafe_code)]
+
+mod boundary;
+mod camera;
+mod error;
+mod file;
+mod host;
+mod image_out;
+mod light;
+mod locate;
+mod material;
+mod media;
+mod obj;
+mod scene;
+mod spectrum;
+mod vol;
+
+pub use error::{Error, Place};
+pub use file::{IntegratorConfig, Scattering, SceneFile};
+pub use host::Hit;
+pub use image_out::{Metadata, RenderOutput, check_writable, write_exr, write_png};
+pub use material::{fresnel_conductor, fresnel_dielectric};
+pub use scene::Scene;
+pub use tyndall_surface::Backend;

@@ -25,7 +25,6 @@ struct Leaf {
     form: Form,
     shape: u32,
     primitive: u32,
-    null: bool,
 }
 
 #[derive(Clone, Copy)]
@@ -49,15 +48,14 @@ impl Leaf {
 }
 
 impl Embedded {
-    pub(crate) fn build(shapes: &[Shape], null: &[bool]) -> Self {
+    pub(crate) fn build(shapes: &[Shape]) -> Self {
         let mut leaves = Vec::new();
-        for (i, (shape, &null)) in shapes.iter().zip(null).enumerate() {
+        for (i, shape) in shapes.iter().enumerate() {
             for_each_form(shape, |primitive, form| {
                 leaves.push(Leaf {
                     form,
                     shape: i as u32,
                     primitive,
-                    null,
                 });
             });
         }
@@ -109,7 +107,7 @@ impl Embedded {
         Some(((t as f32).clamp(0.0, ray.t_max), hit))
     }
 
-    /// Whether any primitive is met whose shape is not null.
+    /// Whether any primitive is met.
     pub(crate) fn occluded(&self, ray: &Ray) -> bool {
         let prepared = Prepared::new(ray);
         let mut state = self.tree.new_traversal(prepared.boxes.direction);
@@ -121,7 +119,7 @@ impl Embedded {
             prepared.boxes.children(node, ray.t_max, state.oct_inv4),
             {
                 let leaf = &self.leaves[state.primitive_id as usize];
-                if !leaf.null && prepared.meet(&leaf.form, ray.t_max).is_some() {
+                if prepared.meet(&leaf.form, ray.t_max).is_some() {
                     return true;
                 }
             }

@@ -11,17 +11,12 @@ use embree3::{
 use glam::{DVec2, Vec3};
 use tyndall_core::Ray;
 
-/// Committed scenes; the name of a geometry is the index of its shape.
-pub(crate) struct Embree {
-    all: Scene<'static>,
-    /// Without null shapes; `None` if there are none. Debian's library is built without the ray
-    /// masks that would do in one scene.
-    opaque: Option<Scene<'static>>,
-}
+/// A committed scene; the name of a geometry is the index of its shape.
+pub(crate) struct Embree(Scene<'static>);
 
 impl Embree {
-    pub(crate) fn build(shapes: &[Shape], null: &[bool]) -> Result<Self, SurfaceError> {
-        build(shapes, null).map_err(|error| SurfaceError::Embree {
+    pub(crate) fn build(shapes: &[Shape]) -> Result<Self, SurfaceError> {
+        build(shapes).map(Self).map_err(|error| SurfaceError::Embree {
             message: error.to_string(),
         })
     }
@@ -31,7 +26,7 @@ impl Embree {
     pub(crate) fn intersect(&self, shapes: &[Shape], ray: &Ray) -> Option<(f32, ShapeHit)> {
         let mut query = RayHit::from_ray(segment(ray));
         loop {
-            self.all
+            self.0
                 .intersect(&mut IntersectContext::incoherent(), &mut query);
             if !query.hit.is_valid() {
                 return None;
@@ -47,10 +42,10 @@ impl Embree {
         }
     }
 
-    /// Whether any primitive is met whose shape is not null.
+    /// Whether any primitive is met.
     pub(crate) fn occluded(&self, ray: &Ray) -> bool {
-        let scene = self.opaque.as_ref().unwrap_or(&self.all);
-        scene.occluded(&mut IntersectContext::incoherent(), &mut segment(ray))
+        self.0
+            .occluded(&mut IntersectContext::incoherent(), &mut segment(ray))
     }
 }
 
@@ -93,33 +88,20 @@ fn segment(ray: &Ray) -> embree3::Ray {
     embree3::Ray::segment(origin.to_array(), direction.to_array(), 0.0, t_max)
 }
 
-fn build(shapes: &[Shape], null: &[bool]) -> Result<Embree, Error> {
+fn build(shapes: &[Shape]) -> Result<Scene<'static>, Error> {
     let device = Device::new()?;
-    let geometries = shapes
-        .iter()
-        .map(|shape| geometry(&device, shape))
-        .collect::<Result<Vec<_>, _>>()?;
-    let scene = |wanted: &dyn Fn(usize) -> bool| {
-        let mut scene = device.create_scene()?;
-        scene.set_flags(SceneFlags::ROBUST);
-        for (i, geometry) in geometries.iter().enumerate() {
-            if let Some(geometry) = geometry.as_ref().filter(|_| wanted(i)) {
-                scene.attach_geometry_by_id(geometry, i as u32);
-            }
+    let mut scene = device.create_scene()?;
+    scene.set_flags(SceneFlags::ROBUST);
+    for (i, shape) in shapes.iter().enumerate() {
+        if let Some(geometry) = geometry(&device, shape)? {
+            scene.attach_geometry_by_id(&geometry, i as u32);
         }
-        scene.commit(); // builds on all of Embree's threads
-        match device.get_error() {
-            Error::NONE => Ok(scene),
-            error => Err(error),
-        }
-    };
-    Ok(Embree {
-        all: scene(&|_| true)?,
-        opaque: match null.contains(&true) {
-            true => Some(scene(&|i| !null[i])?),
-            false => None,
-        },
-    })
+    }
+    scene.commit(); // builds on all of Embree's threads
+    match device.get_error() {
+        Error::NONE => Ok(scene),
+        error => Err(error),
+    }
 }
 
 /// The geometry of a shape; `None` for a mesh without triangles, which Embree refuses.

@@ -50,20 +50,19 @@ enum Engine {
 }
 
 impl Surfaces {
-    /// Builds over `shapes`; [`Surfaces::occluded`] ignores those whose flag in `null` is set.
+    /// Builds over `shapes`.
     ///
     /// # Errors
     /// See [`SurfaceError`]; it names the shape and what to do.
     pub fn build(
         shapes: Vec<Shape>,
-        null: Vec<bool>,
         backend: Backend,
     ) -> Result<Self, SurfaceError> {
-        validate(&shapes, &null)?;
+        validate(&shapes)?;
         let engine = match backend {
-            Backend::Embedded => Engine::Embedded(Embedded::build(&shapes, &null)),
+            Backend::Embedded => Engine::Embedded(Embedded::build(&shapes)),
             #[cfg(feature = "embree")]
-            Backend::Embree => Engine::Embree(Embree::build(&shapes, &null)?),
+            Backend::Embree => Engine::Embree(Embree::build(&shapes)?),
         };
         let bounds = shapes
             .iter()
@@ -80,7 +79,7 @@ impl Surfaces {
         self.bounds
     }
 
-    /// The nearest point within the ray, null shapes included, and its distance.
+    /// The nearest point within the ray, and its distance.
     #[inline]
     pub fn intersect(&self, ray: &Ray) -> Option<(f32, ShapeHit)> {
         if !self.is_far(ray) {
@@ -94,7 +93,7 @@ impl Surfaces {
         Some(((t as f32).min(ray.t_max), ShapeHit { uv, ..hit }))
     }
 
-    /// Whether a shape that is not null lies within the ray.
+    /// Whether a shape lies within the ray.
     #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
         let occluded = |ray: &Ray| match &self.engine {

@@ -1,0 +1,88 @@
+//! What can go wrong between a file and a scene, and between an image and a file.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Why a scene could not be loaded or an image not be written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The scene file, or an override of one of its keys, asks for what cannot be.
+    #[error("{place}: `{field}`: {problem}")]
+    Scene {
+        /// Where it is written.
+        place: Place,
+        /// The key, with dots from the root of the file.
+        field: String,
+        /// What is wrong and how to mend it.
+        problem: String,
+    },
+    /// The scene file is no TOML.
+    #[error("{place}: is not TOML: {problem}")]
+    Syntax {
+        /// Where reading stopped.
+        place: Place,
+        /// What was expected.
+        problem: String,
+    },
+    /// A file could not be read.
+    #[error("{}: cannot be read: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// A file could not be written; what was there before is untouched.
+    #[error("{}: cannot be written: {reason}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// The reason.
+        reason: String,
+    },
+    /// The geometry as a whole cannot be rendered.
+    #[error("{}: {problem}", path.display())]
+    Build {
+        /// The scene file.
+        path: PathBuf,
+        /// What is wrong and how to mend it.
+        problem: String,
+    },
+}
+
+impl Error {
+    pub(crate) fn write(path: &Path, reason: impl fmt::Display) -> Self {
+        Self::Write {
+            path: path.to_owned(),
+            reason: reason.to_string(),
+        }
+    }
+}
+
+/// Where a value is written.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Place {
+    /// In a file; lines and columns count from 1.
+    File {
+        /// The scene file.
+        path: Arc<str>,
+        /// Line.
+        line: usize,
+        /// Column, in characters.
+        column: usize,
+    },
+    /// In an override, as `key=value`.
+    Override(Arc<str>),
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File { path, line, column } => write!(f, "{path}:{line}:{column}"),
+            Self::Override(text) => write!(f, "override {text}"),
+        }
+    }
+}

@@ -1,0 +1,227 @@
+//! Scene files: TOML in, a checked description out.
+
+mod document;
+mod light;
+mod material;
+mod medium;
+mod overrides;
+mod reader;
+mod shape;
+mod view;
+
+pub(crate) use material::MediumName;
+pub use view::{IntegratorConfig, Scattering};
+
+use crate::camera::Camera;
+use crate::light::Light;
+use crate::media::MediumDescription;
+use crate::spectrum::is_grey;
+use crate::{Error, Place, Scene};
+use document::Node;
+use glam::DVec3;
+use material::Material;
+use reader::{Field, Table};
+use std::path::{Path, PathBuf};
+use tyndall_core::{Aabb, Rgb, Spectrum};
+use tyndall_surface::{Backend, Shape};
+
+/// A scene file, read and checked, with the files that it names.
+#[derive(Clone, Debug)]
+pub struct SceneFile {
+    pub(crate) path: PathBuf,
+    pub(crate) camera: Camera,
+    /// The medium that the file says is around the camera, and where it says so.
+    pub(crate) camera_medium: Option<(MediumName, Place)>,
+    pub(crate) media_names: Vec<String>,
+    pub(crate) media: Vec<MediumDescription>,
+    pub(crate) materials: Vec<Material>,
+    pub(crate) parts: Vec<Part>,
+    pub(crate) lights: Vec<Light<Rgb>>,
+    /// The point of the file that is 0 in the scene.
+    pub(crate) origin: DVec3,
+    integrator: IntegratorConfig,
+}
+
+/// A shape, its material by index, and the radiance that it emits.
+#[derive(Clone, Debug)]
+pub(crate) struct Part {
+    pub(crate) shape: Shape,
+    pub(crate) bounds: Aabb,
+    pub(crate) material: usize,
+    pub(crate) emission: Rgb,
+}
+
+impl SceneFile {
+    /// Reads a scene file. `overrides` are pairs of a dotted key and a value as TOML writes it:
+    /// they replace a value or add one that the table could hold.
+    ///
+    /// # Errors
+    /// The first thing that is wrong: its place, its key and the mend.
+    pub fn load(path: &Path, overrides: &[(String, String)]) -> Result<Self, Error> {
+        let text = std::fs::read_to_string(path).map_err(|source| Error::Read {
+            path: path.to_owned(),
+            source,
+        })?;
+        Self::parse(&text, path, overrides)
+    }
+
+    /// [`SceneFile::load`] of a text; `path` is what messages call it, and its folder is where
+    /// the files are that it names.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn parse(text: &str, path: &Path, overrides: &[(String, String)]) -> Result<Self, Error> {
+        let mut root = document::parse(&path.display().to_string(), text)?;
+        for (key, value) in overrides {
+            overrides::apply(&mut root, key, value)?;
+        }
+        Self::read(path, &root)
+    }
+
+    fn read(path: &Path, root: &Node) -> Result<Self, Error> {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let table = Field::root(root).table()?;
+        table.expect(&SECTIONS);
+        table.finish()?;
+        let media = media_fields(&table)?;
+        let names: Vec<_> = media.iter().map(|(name, _)| *name).collect();
+        let (materials, placed) = materials_and_shapes(&table, folder, &names)?;
+        let origin = origin(&placed);
+        let (camera, film) = (table.required("camera")?, table.required("film")?);
+        let (camera, camera_medium) = view::read(&camera, &film, &names, origin)?;
+        let media = (media.iter()).map(|(_, field)| medium::read(field, folder, origin));
+        Ok(Self {
+            path: path.to_owned(),
+            camera,
+            camera_medium,
+            media: media.collect::<Result<_, _>>()?,
+            media_names: names.iter().map(|&name| name.into()).collect(),
+            materials,
+            parts: placed.into_iter().map(|p| p.place(origin)).collect(),
+            lights: lights(&table, origin)?,
+            origin,
+            integrator: view::read_integrator(table.optional("integrator").as_ref())?,
+        })
+    }
+
+    /// Whether every colour has equal channels: such a scene is rendered with one.
+    pub fn is_grey(&self) -> bool {
+        let mut grey = true;
+        let mut see = |colour| grey &= is_grey(colour);
+        for part in &self.parts {
+            see(part.emission);
+            self.materials[part.material].bsdf.map(&mut see);
+        }
+        self.lights.iter().for_each(|light| see(light.colour));
+        grey && self.media.iter().all(MediumDescription::is_grey)
+    }
+
+    /// Which integrator the file asks for.
+    pub fn integrator(&self) -> &IntegratorConfig {
+        &self.integrator
+    }
+
+    /// The scene with the channels of `S`: `f32` for a grey scene, [`Rgb`] for any. In one
+    /// channel, a colour is its mean.
+    ///
+    /// # Errors
+    /// [`Error::Build`] and [`Error::Scene`] for what only the whole scene shows.
+    pub fn build<S: Spectrum>(&self) -> Result<Scene<S>, Error> {
+        self.build_with(Backend::default())
+    }
+
+    /// [`SceneFile::build`] over a chosen backend.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn build_with<S: Spectrum>(&self, backend: Backend) -> Result<Scene<S>, Error> {
+        Scene::build(self, backend)
+    }
+}
+
+impl shape::Placed {
+    fn place(self, origin: DVec3) -> Part {
+        Part {
+            bounds: shape::rounded(self.solid.bounds(), origin),
+            shape: self.solid.place(origin),
+            material: self.material,
+            emission: self.emission,
+        }
+    }
+}
+
+/// The centre of the shapes if it is farther from 0 than they are large, else 0.
+fn origin(placed: &[shape::Placed]) -> DVec3 {
+    let empty = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+    let [min, max] = (placed.iter()).fold(empty, |[min, max], p| {
+        let [a, b] = p.solid.bounds();
+        [min.min(a), max.max(b)]
+    });
+    let center = 0.5 * (min + max);
+    if center.length() > (max - min).length() {
+        center
+    } else {
+        DVec3::ZERO
+    }
+}
+
+/// The tables that a file may have.
+const SECTIONS: [&str; 8] = [
+    "camera",
+    "film",
+    "integrator",
+    "media",
+    "materials",
+    "shapes",
+    "lights",
+    "environment",
+];
+
+fn media_fields<'a>(table: &Table<'a>) -> Result<Vec<(&'a str, Field<'a>)>, Error> {
+    let media = named(table, "media")?;
+    match media.iter().find(|(name, _)| *name == "vacuum") {
+        Some((_, field)) => Err(field.error("is there without being said: choose another name")),
+        None => Ok(media),
+    }
+}
+
+fn materials_and_shapes(
+    table: &Table<'_>,
+    folder: &Path,
+    media: &[&str],
+) -> Result<(Vec<Material>, Vec<shape::Placed>), Error> {
+    let mut reader = shape::Reader {
+        folder,
+        names: Vec::new(),
+        materials: Vec::new(),
+        placed: Vec::new(),
+    };
+    for (name, field) in named(table, "materials")? {
+        reader.materials.push(material::read(&field, media)?);
+        reader.names.push(name.into());
+    }
+    for field in listed(table, "shapes")? {
+        reader.read(&field)?;
+    }
+    Ok((reader.materials, reader.placed))
+}
+
+fn lights(table: &Table<'_>, origin: DVec3) -> Result<Vec<Light<Rgb>>, Error> {
+    let fields = listed(table, "lights")?;
+    let listed = fields.iter().map(|field| light::read(field, origin));
+    let environment = table.optional("environment");
+    let environment = environment.iter().map(light::read_environment);
+    listed.chain(environment).collect()
+}
+
+/// The entries of a table whose keys the author chose.
+fn named<'a>(table: &Table<'a>, key: &'static str) -> Result<Vec<(&'a str, Field<'a>)>, Error> {
+    match table.optional(key) {
+        Some(field) => Ok(field.table()?.named().collect()),
+        None => Ok(Vec::new()),
+    }
+}
+
+fn listed<'a>(table: &Table<'a>, key: &'static str) -> Result<Vec<Field<'a>>, Error> {
+    table.optional(key).map_or(Ok(Vec::new()), |f| f.elements())
+}

@@ -1,0 +1,327 @@
+//! `[[shapes]]`, in `f64` and where the file puts them.
+
+use super::material::Material;
+use super::reader::{Field, Table};
+use crate::Error;
+use crate::material::Bsdf;
+use crate::obj::{self, Group};
+use glam::{DAffine3, DMat3, DQuat, DVec3};
+use std::path::Path;
+use tyndall_core::{Aabb, Rgb};
+use tyndall_surface::{Mesh, Shape};
+
+/// A shape of one material.
+#[derive(Clone, Debug)]
+pub(super) struct Placed {
+    pub(super) solid: Solid,
+    pub(super) material: usize,
+    pub(super) emission: Rgb,
+}
+
+/// A shape, in `f64`.
+#[derive(Clone, Debug)]
+pub(super) enum Solid {
+    Sphere {
+        center: DVec3,
+        radius: f64,
+    },
+    Quad {
+        corner: DVec3,
+        edges: [DVec3; 2],
+    },
+    Disk {
+        center: DVec3,
+        normal: DVec3,
+        radius: f64,
+    },
+    Mesh(Group),
+}
+
+impl Solid {
+    /// Smallest and largest corner of a box around it.
+    pub(super) fn bounds(&self) -> [DVec3; 2] {
+        let around = |center: &DVec3, r: DVec3| vec![*center - r, *center + r];
+        let points = match self {
+            Self::Sphere { center, radius } => around(center, DVec3::splat(*radius)),
+            Self::Disk {
+                center,
+                normal,
+                radius,
+            } => around(
+                center,
+                *radius * (1.0 - normal * normal).max(DVec3::ZERO).map(f64::sqrt),
+            ),
+            Self::Quad {
+                corner,
+                edges: [u, v],
+            } => vec![*corner, corner + u, corner + v, corner + u + v],
+            Self::Mesh(group) => {
+                let used = group.triangles.iter().flatten();
+                used.map(|&i| group.positions[i as usize]).collect()
+            }
+        };
+        let empty = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+        (points.iter()).fold(empty, |[min, max], p| [min.min(*p), max.max(*p)])
+    }
+
+    /// The shape as it is rendered, `origin` being moved to 0.
+    pub(super) fn place(self, origin: DVec3) -> Shape {
+        let point = |p: DVec3| (p - origin).as_vec3();
+        match self {
+            Self::Sphere { center, radius } => Shape::Sphere {
+                center: point(center),
+                radius: radius as f32,
+            },
+            Self::Quad { corner, edges } => Shape::Quad {
+                corner: point(corner),
+                edge_u: edges[0].as_vec3(),
+                edge_v: edges[1].as_vec3(),
+            },
+            Self::Disk {
+                center,
+                normal,
+                radius,
+            } => Shape::Disk {
+                center: point(center),
+                normal: normal.as_vec3(),
+                radius: radius as f32,
+            },
+            Self::Mesh(group) => Shape::Mesh(Mesh {
+                positions: group.positions.into_iter().map(point).collect(),
+                normals: group.normals,
+                uvs: Vec::new(),
+                triangles: group.triangles,
+            }),
+        }
+    }
+}
+
+/// The box in `f32`, rounded outwards.
+pub(super) fn rounded([min, max]: [DVec3; 2], origin: DVec3) -> Aabb {
+    Aabb {
+        min: (min - origin).as_vec3().map(f32::next_down),
+        max: (max - origin).as_vec3().map(f32::next_up),
+    }
+}
+
+/// Reads shapes one after another; materials that OBJ files bring are added to the scene's.
+pub(super) struct Reader<'a> {
+    pub(super) folder: &'a Path,
+    pub(super) names: Vec<String>,
+    pub(super) materials: Vec<Material>,
+    pub(super) placed: Vec<Placed>,
+}
+
+const KINDS: [&str; 5] = ["sphere", "quad", "box", "disk", "obj"];
+
+impl Reader<'_> {
+    pub(super) fn read(&mut self, field: &Field<'_>) -> Result<(), Error> {
+        let table = field.table()?;
+        let kind = table.required("kind")?.one_of(&KINDS)?;
+        let emission = table.optional("emission").map(|f| f.colour()).transpose()?;
+        if kind == "obj" {
+            self.read_obj(&table, emission)?;
+        } else {
+            let material = self.material(&table.required("material")?)?;
+            let solid = solid(kind, &table)?;
+            self.add(solid, material, emission);
+        }
+        table.finish()
+    }
+
+    fn add(&mut self, solid: Solid, material: usize, emission: Option<Rgb>) {
+        self.placed.push(Placed {
+            solid,
+            material,
+            emission: emission.unwrap_or(self.materials[material].emission),
+        });
+    }
+
+    fn material(&self, field: &Field<'_>) -> Result<usize, Error> {
+        let names: Vec<_> = self.names.iter().map(String::as_str).collect();
+        field.name_in("material", &names)
+    }
+
+    fn read_obj(&mut self, table: &Table<'_>, emission: Option<Rgb>) -> Result<(), Error> {
+        let file = table.required("file")?;
+        let obj = obj::read(&self.folder.join(file.string()?)).map_err(|e| file.error(e))?;
+        let fallback = (table.optional("material"))
+            .map(|f| self.material(&f))
+            .transpose()?;
+        let map = table.optional("materials");
+        if let Some(why) = &obj.mtl_problem
+            && (fallback.is_none() || map.is_some())
+        {
+            return Err(file.error(format!("{why}; mend it, or give `material` alone")));
+        }
+        let mut mapped = Vec::new();
+        if let Some(field) = map {
+            let known: Vec<_> = obj.groups.keys().map(String::as_str).collect();
+            for (name, field) in field.table()?.named() {
+                field.check_name(name, "material of the OBJ file", &known)?;
+                mapped.push((name, self.material(&field)?));
+            }
+        }
+        let transform = transform(table)?;
+        for (name, mut group) in obj.groups {
+            let chosen = mapped.iter().find(|(n, _)| *n == name).map(|&(_, m)| m);
+            let material = match (chosen.or(fallback), obj.materials.get(&name)) {
+                (Some(material), _) => material,
+                (None, Some(&(kd, ke))) => self.own_material(&name, kd, ke, &file)?,
+                (None, None) => {
+                    return Err(table
+                        .field()
+                        .error("has faces whose material no MTL file defines: add `material`"));
+                }
+            };
+            group.transform(&transform);
+            self.add(Solid::Mesh(group), material, emission);
+        }
+        Ok(())
+    }
+
+    /// A material of an MTL file: diffuse `Kd` and emission `Ke`.
+    fn own_material(
+        &mut self,
+        name: &str,
+        kd: Rgb,
+        ke: Rgb,
+        file: &Field<'_>,
+    ) -> Result<usize, Error> {
+        let Rgb(d) = kd;
+        let valid = d.min_element() >= 0.0 && d.max_element() <= 1.0 && ke.0.min_element() >= 0.0;
+        if !(valid && ke.0.is_finite()) {
+            return Err(file.error(format!(
+                "its material {name:?} has Kd {d} and Ke {}: Kd must be from 0 to 1 and Ke ≥ 0; \
+                 mend the MTL file or name a material of the scene in `materials`",
+                ke.0
+            )));
+        }
+        self.materials.push(Material::opaque(Bsdf::Diffuse(kd), ke));
+        Ok(self.materials.len() - 1)
+    }
+}
+
+fn solid(kind: &str, table: &Table<'_>) -> Result<Solid, Error> {
+    let vector = |key| table.required(key)?.vector();
+    let radius = || Ok::<_, Error>(f64::from(table.required("radius")?.positive()?));
+    Ok(match kind {
+        "sphere" => Solid::Sphere {
+            center: vector("center")?,
+            radius: radius()?,
+        },
+        "disk" => Solid::Disk {
+            center: vector("center")?,
+            normal: table.required("normal")?.direction()?,
+            radius: radius()?,
+        },
+        "quad" => {
+            table.expect(&["edge_u", "edge_v"]);
+            let edges = [vector("edge_u")?, vector("edge_v")?];
+            if edges[0].cross(edges[1]) == DVec3::ZERO {
+                let edge = table.required("edge_v")?;
+                return Err(edge.error("must be neither zero nor parallel to `edge_u`"));
+            }
+            let corner = vector("corner")?;
+            Solid::Quad { corner, edges }
+        }
+        _ => {
+            let (min, max) = (vector("min")?, vector("max")?);
+            if !min.cmplt(max).all() {
+                return Err(table
+                    .required("max")?
+                    .error("must exceed `min` in x, y and z"));
+            }
+            let mut group = cuboid(min, max);
+            group.transform(&transform(table)?);
+            Solid::Mesh(group)
+        }
+    })
+}
+
+/// The surface of a box, normals outwards.
+fn cuboid(min: DVec3, max: DVec3) -> Group {
+    let corner = |i: u32| {
+        let bit = |n: u32| f64::from(i >> n & 1);
+        min + (max - min) * DVec3::new(bit(0), bit(1), bit(2))
+    };
+    let faces = [
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+    ];
+    Group {
+        positions: (0..8).map(corner).collect(),
+        normals: Vec::new(),
+        triangles: (faces.iter())
+            .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]])
+            .collect(),
+    }
+}
+
+/// `transform = { scale, rotate = { axis, degrees }, translate }`, applied in this order.
+fn transform(table: &Table<'_>) -> Result<DAffine3, Error> {
+    let Some(field) = table.optional("transform") else {
+        return Ok(DAffine3::IDENTITY);
+    };
+    let table = field.table()?;
+    let scale = match table.optional("scale") {
+        None => DVec3::ONE,
+        Some(field) if field.is_array() => field.vector()?,
+        Some(field) => DVec3::splat(field.number()?),
+    };
+    if !scale.cmpgt(DVec3::ZERO).all() {
+        return Err(field.error("`scale` must be above 0: mirror the mesh where it was modelled"));
+    }
+    let mut rotation = DQuat::IDENTITY;
+    if let Some(field) = table.optional("rotate") {
+        let rotate = field.table()?;
+        let axis = rotate.required("axis")?.direction()?;
+        let angle = rotate.required("degrees")?.number()?.to_radians();
+        rotation = DQuat::from_axis_angle(axis, angle);
+        rotate.finish()?;
+    }
+    let translation = table
+        .optional("translate")
+        .map_or(Ok(DVec3::ZERO), |f| f.vector())?;
+    table.finish()?;
+    Ok(DAffine3::from_scale_rotation_translation(
+        scale,
+        rotation,
+        translation,
+    ))
+}
+
+impl Group {
+    fn transform(&mut self, transform: &DAffine3) {
+        for p in &mut self.positions {
+            *p = transform.transform_point3(*p);
+        }
+        let normal_matrix: DMat3 = transform.matrix3.inverse().transpose();
+        for n in &mut self.normals {
+            *n = (normal_matrix * n.as_dvec3()).normalize_or_zero().as_vec3();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn boxes_face_outwards() {
+        let group = cuboid(DVec3::ZERO, DVec3::new(1.0, 2.0, 3.0));
+        let center = DVec3::new(0.5, 1.0, 1.5);
+        let mut area = 0.0;
+        for t in &group.triangles {
+            let [a, b, c] = t.map(|i| group.positions[i as usize]);
+            let normal = (b - a).cross(c - a);
+            assert!(normal.dot(a - center) > 0.0);
+            area += 0.5 * normal.length();
+        }
+        assert_eq!(area, 22.0);
+    }
+}

@@ -1,0 +1,86 @@
+//! One emissive primitive of a shape; it shines on the side of its geometric normal. Its colour is
+//! radiance.
+
+use crate::host::Hit;
+use glam::Vec3;
+use std::f32::consts::{FRAC_1_PI, PI};
+use tyndall_core::{
+    Anchor, DirectSample, EmissionPdf, EmissionSample, Frame, LightKind, MediumId, warp,
+};
+use tyndall_surface::Surfaces;
+
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Area {
+    pub(crate) shape: u32,
+    pub(crate) primitive: u32,
+    pub(crate) area: f32,
+    /// `None` if the light crosses from one medium to another.
+    pub(crate) medium: Option<MediumId>,
+}
+
+impl Area {
+    pub(super) fn power(&self) -> f32 {
+        PI * self.area
+    }
+
+    pub(super) fn sample_emission(
+        &self,
+        [u0, u1, u2, u3]: [f32; 4],
+        surfaces: &Surfaces,
+        locate: impl Fn(Vec3) -> MediumId,
+    ) -> EmissionSample<f32> {
+        let hit = surfaces.sample(self.shape, self.primitive, [u0, u1]);
+        let local = warp::cosine_hemisphere([u2, u3]);
+        let normal = surfaces.surface(&hit).geometric_normal;
+        let direction = Frame::around(normal).to_world(local);
+        let ray = surfaces.spawn(&Anchor::Surface(hit), direction);
+        EmissionSample {
+            ray,
+            flux: self.power(),
+            pdf: EmissionPdf {
+                pdf_a: 1.0 / self.area,
+                pdf_w: warp::cosine_hemisphere_pdf_w(local.z),
+            },
+            cos_theta: local.z,
+            kind: LightKind::Area,
+            medium: self.medium.unwrap_or_else(|| locate(ray.origin)),
+        }
+    }
+
+    /// A point of the light seen from `from`; `None` if it shows its back.
+    pub(super) fn sample_direct(
+        &self,
+        from: Vec3,
+        u: [f32; 2],
+        surfaces: &Surfaces,
+    ) -> Option<DirectSample<f32, Hit>> {
+        let hit = surfaces.sample(self.shape, self.primitive, u);
+        let surface = surfaces.surface(&hit);
+        let (wi, distance) = (surface.position - from).normalize_and_length();
+        let pdf_w = self.pdf_direct_w(wi, distance, surface.geometric_normal);
+        (pdf_w > 0.0).then(|| DirectSample {
+            target: Anchor::Surface(Hit::on_light(hit)),
+            wi,
+            weight: 1.0 / pdf_w,
+            pdf_w,
+        })
+    }
+
+    /// Density per steradian of sampling by area, towards a point at `distance` along `wi`.
+    pub(super) fn pdf_direct_w(&self, wi: Vec3, distance: f32, normal: Vec3) -> f32 {
+        let cos = -wi.dot(normal);
+        let pdf_w = distance * distance / (cos * self.area);
+        if cos > 0.0 && pdf_w.is_finite() {
+            pdf_w
+        } else {
+            0.0
+        }
+    }
+
+    pub(super) fn pdf_emission(&self, direction: Vec3, normal: Vec3) -> EmissionPdf {
+        EmissionPdf {
+            pdf_a: 1.0 / self.area,
+            pdf_w: direction.dot(normal).max(0.0) * FRAC_1_PI,
+        }
+    }
+}

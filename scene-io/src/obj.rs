@@ -1,0 +1,99 @@
+//! Wavefront OBJ and MTL files.
+
+use crate::Error;
+use glam::{DVec3, Vec3};
+use std::collections::BTreeMap;
+use std::path::Path;
+use tyndall_core::Rgb;
+
+/// The faces of one material in an OBJ file.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Group {
+    pub(crate) positions: Vec<DVec3>,
+    /// One a vertex, or none.
+    pub(crate) normals: Vec<Vec3>,
+    pub(crate) triangles: Vec<[u32; 3]>,
+}
+
+/// An OBJ file: its faces by the name that `usemtl` gives them (empty if none does).
+pub(crate) struct Obj {
+    pub(crate) groups: BTreeMap<String, Group>,
+    /// `Kd` and `Ke` of the materials that the MTL files define.
+    pub(crate) materials: BTreeMap<String, (Rgb, Rgb)>,
+    /// Why there are no materials, if a file of them could not be read.
+    pub(crate) mtl_problem: Option<String>,
+}
+
+/// Reads an OBJ file and the MTL files that it names. Polygons become triangles; points and lines
+/// are left out. Positions are read in `f64`.
+pub(crate) fn read(path: &Path) -> Result<Obj, Error> {
+    let problem = |problem: String| Error::Build {
+        path: path.to_owned(),
+        problem,
+    };
+    let bytes = std::fs::read(path).map_err(|source| Error::Read {
+        path: path.to_owned(),
+        source,
+    })?;
+    let options = tobj::LoadOptions {
+        triangulate: true,
+        single_index: true,
+        ignore_points: true,
+        ignore_lines: true,
+    };
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let load_mtl = |mtl: &Path| tobj::load_mtl(folder.join(mtl));
+    let loaded = tobj::load_obj_buf(&mut bytes.as_slice(), &options, load_mtl);
+    let (models, materials) = loaded.map_err(|e| problem(format!("is no OBJ file: {e}")))?;
+    let (materials, mtl_problem) = match materials {
+        Ok(materials) => (materials, None),
+        Err(e) => (Vec::new(), Some(format!("its MTL file is unusable: {e}"))),
+    };
+    let mut groups = BTreeMap::new();
+    for model in models {
+        let name = model.mesh.material_id.map(|m| materials[m].name.clone());
+        let group: &mut Group = groups.entry(name.unwrap_or_default()).or_default();
+        group.append(&model.mesh).map_err(problem)?;
+    }
+    if groups.is_empty() {
+        return Err(problem(
+            "has no faces: export the mesh, not only its curves".into(),
+        ));
+    }
+    let colour = |c: Option<[f64; 3]>| {
+        let [r, g, b] = c.unwrap_or_default().map(|x| x as f32);
+        Rgb::new(r, g, b)
+    };
+    let materials = (materials.iter())
+        .map(|m| (m.name.clone(), (colour(m.diffuse), colour(m.emissive))))
+        .collect();
+    Ok(Obj {
+        groups,
+        materials,
+        mtl_problem,
+    })
+}
+
+impl Group {
+    fn append(&mut self, mesh: &tobj::Mesh) -> Result<(), String> {
+        let first = self.positions.len() as u32;
+        let vectors = |numbers: &[f64]| -> Vec<DVec3> {
+            (numbers.chunks_exact(3)).map(DVec3::from_slice).collect()
+        };
+        let positions = vectors(&mesh.positions);
+        if let Some(bad) = positions.iter().find(|p| !p.is_finite()) {
+            return Err(format!("vertex {bad} is not finite"));
+        }
+        let mut normals: Vec<_> = vectors(&mesh.normals).iter().map(|n| n.as_vec3()).collect();
+        // Faces without normals beside faces with them: zero, which means the geometric normal.
+        if normals.is_empty() != self.normals.is_empty() {
+            normals.resize(positions.len(), Vec3::ZERO);
+            self.normals.resize(self.positions.len(), Vec3::ZERO);
+        }
+        self.positions.extend(positions);
+        self.normals.extend(normals);
+        let triangles = mesh.indices.chunks_exact(3);
+        (self.triangles).extend(triangles.map(|t| [t[0] + first, t[1] + first, t[2] + first]));
+        Ok(())
+    }
+}

@@ -1,0 +1,214 @@
+//! The scene that is rendered, made from its description.
+
+use crate::boundary::{Boundaries, Boundary};
+use crate::camera::Camera;
+use crate::file::{MediumName, SceneFile};
+use crate::light::{Area, Light, Lights, Source, World};
+use crate::locate::boundaries_around;
+use crate::material::Bsdf;
+use crate::spectrum::convert;
+use crate::{Error, Place};
+use glam::{DVec3, Vec3};
+use tyndall_core::{Aabb, Anchor, MediumId, Spectrum};
+use tyndall_media::AnyMedium;
+use tyndall_surface::{Backend, Surfaces};
+
+/// A scene, ready to be rendered: it implements every trait of a host.
+pub struct Scene<S> {
+    pub(crate) surfaces: Surfaces,
+    pub(crate) looks: Vec<Look<S>>,
+    pub(crate) media: Vec<AnyMedium<S>>,
+    pub(crate) boundaries: Boundaries,
+    pub(crate) lights: Lights<S>,
+    pub(crate) camera: Camera,
+    pub(crate) camera_medium: MediumId,
+    pub(crate) bounds: Aabb,
+    pub(crate) has_null_surfaces: bool,
+    origin: DVec3,
+}
+
+/// How a shape scatters and emits.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Look<S> {
+    pub(crate) bsdf: Bsdf<S>,
+    /// Radiance on the side of the normal.
+    pub(crate) emission: S,
+}
+
+impl<S: Spectrum> Scene<S> {
+    /// Builds the scene that `file` describes.
+    ///
+    /// # Errors
+    /// [`Error::Build`] if the geometry is unusable, [`Error::Scene`] if the camera's medium
+    /// contradicts it.
+    pub(crate) fn build(file: &SceneFile, backend: Backend) -> Result<Self, Error> {
+        let problem = |problem: String| Error::Build {
+            path: file.path.clone(),
+            problem,
+        };
+        let looks: Vec<Look<S>> = file.parts.iter().map(|part| part.look(file)).collect();
+        let shapes = file.parts.iter().map(|p| p.shape.clone()).collect();
+        let null = looks.iter().map(|l| matches!(l.bsdf, Bsdf::Null)).collect();
+        let surfaces =
+            Surfaces::build(shapes, null, backend).map_err(|e| problem(e.to_string()))?;
+        let boundaries = boundaries(file, &surfaces)?;
+        let media: Result<_, _> = file.media.iter().map(|m| m.build()).collect();
+        let camera_medium = locate(file.camera.position(), &surfaces, &boundaries);
+        let lamps = Aabb::of_points(file.lights.iter().filter_map(|l| l.source.position()));
+        let lights = lights(file, &looks, &surfaces, &boundaries);
+        let bounds = surfaces.bounds().union(lamps);
+        let lights = Lights::new(lights, World::around(bounds), boundaries.ambient());
+        if !lights.power().is_finite() {
+            let why =
+                "the power of all lights overflows: lower their radiance or scale the scene down";
+            return Err(problem(why.into()));
+        }
+        Ok(Self {
+            lights,
+            has_null_surfaces: boundaries.all().any(|b| boundaries.may_be_null(b)),
+            surfaces,
+            looks,
+            media: media.map_err(|e| problem(e.to_string()))?,
+            boundaries,
+            camera: file.camera,
+            camera_medium,
+            bounds,
+            origin: file.origin,
+        })
+    }
+
+    /// The point of the scene file that is 0 here: scenes far from the origin are moved to it, in
+    /// `f64`, when they are loaded.
+    pub fn origin(&self) -> DVec3 {
+        self.origin
+    }
+
+    /// The medium around a point.
+    pub(crate) fn locate(&self, p: Vec3) -> MediumId {
+        locate(p, &self.surfaces, &self.boundaries)
+    }
+}
+
+fn locate(p: Vec3, surfaces: &Surfaces, boundaries: &Boundaries) -> MediumId {
+    boundaries.state(&boundaries_around(p, surfaces, boundaries))
+}
+
+/// The boundaries, in the medium that fills all space outside: that of the camera if it is named
+/// and no boundary is around it.
+fn boundaries(file: &SceneFile, surfaces: &Surfaces) -> Result<Boundaries, Error> {
+    let list = || {
+        let parts = file.parts.iter().enumerate();
+        parts
+            .filter_map(|(shape, part)| part.boundary(shape, file))
+            .collect()
+    };
+    let build = |ambient| {
+        Boundaries::new(list(), ambient).ok_or_else(|| Error::Build {
+            path: file.path.clone(),
+            problem: "too many shapes that light can enter have overlapping bounding boxes: \
+                      join them into fewer shapes or move them apart"
+                .into(),
+        })
+    };
+    let table = build(None)?;
+    let Some((named, place)) = &file.camera_medium else {
+        return Ok(table);
+    };
+    let around = boundaries_around(file.camera.position(), surfaces, &table);
+    if around.is_empty() {
+        return build(*named);
+    }
+    let found = table.medium(table.state(&around));
+    if found == *named {
+        return Ok(table);
+    }
+    Err(contradiction(file, place, *named, found))
+}
+
+fn contradiction(file: &SceneFile, place: &Place, named: MediumName, found: MediumName) -> Error {
+    let name = |medium: MediumName| medium.map_or("vacuum", |m| &file.media_names[m]).to_owned();
+    Error::Scene {
+        place: place.clone(),
+        field: "camera.medium".into(),
+        problem: format!(
+            "is {:?}, but the camera is inside a shape filled with {:?}: remove the key",
+            name(named),
+            name(found)
+        ),
+    }
+}
+
+fn lights<S: Spectrum>(
+    file: &SceneFile,
+    looks: &[Look<S>],
+    surfaces: &Surfaces,
+    boundaries: &Boundaries,
+) -> Vec<Light<S>> {
+    let locate = |p| locate(p, surfaces, boundaries);
+    let listed = file.lights.iter().map(|light| {
+        let mut light = light.map(convert);
+        light.source.immerse(locate);
+        light
+    });
+    let emissive = looks
+        .iter()
+        .enumerate()
+        .filter(|(_, l)| !l.emission.is_black());
+    let areas = emissive.flat_map(|(shape, look)| {
+        let shape = shape as u32;
+        let medium = medium_before(shape, surfaces, locate);
+        (0..surfaces.primitive_count(shape) as u32).map(move |primitive| Light {
+            colour: look.emission,
+            source: Source::Area(Area {
+                shape,
+                primitive,
+                area: surfaces.area(shape, primitive),
+                medium,
+            }),
+        })
+    });
+    listed.chain(areas).collect()
+}
+
+/// The medium that a light shines into, judged at a few points; `None` if they differ.
+fn medium_before(
+    shape: u32,
+    surfaces: &Surfaces,
+    locate: impl Fn(Vec3) -> MediumId,
+) -> Option<MediumId> {
+    const PROBES: usize = 16;
+    let count = surfaces.primitive_count(shape);
+    let mut media = (0..PROBES).map(|i| {
+        let primitive = (i * count / PROBES) as u32;
+        let u = [
+            (i as f32 + 0.5) / PROBES as f32,
+            (i as f32 * 0.618 + 0.5).fract(),
+        ];
+        let hit = surfaces.sample(shape, primitive, u);
+        let normal = surfaces.surface(&hit).geometric_normal;
+        locate(surfaces.spawn(&Anchor::Surface(hit), normal).origin)
+    });
+    let first = media.next()?;
+    media.all(|medium| medium == first).then_some(first)
+}
+
+impl crate::file::Part {
+    fn look<S: Spectrum>(&self, file: &SceneFile) -> Look<S> {
+        Look {
+            bsdf: file.materials[self.material].bsdf.map(convert),
+            emission: convert(self.emission),
+        }
+    }
+
+    fn boundary(&self, shape: usize, file: &SceneFile) -> Option<Boundary> {
+        let material = &file.materials[self.material];
+        material.bsdf.transmits().then(|| Boundary {
+            shape,
+            bounds: self.bounds,
+            inside: material.inside,
+            outside: material.outside,
+            ior: material.bsdf.ior(),
+            priority: material.priority,
+        })
+    }
+}

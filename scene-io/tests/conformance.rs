@@ -1,0 +1,222 @@
+//! The scene as a host: what every host must hold, for every material, shape and light.
+//!
+//! False alarms: 1e-6 a test (see `tyndall_testkit::conformance`).
+
+use std::f32::consts::PI;
+use std::path::Path;
+use std::sync::OnceLock;
+use tyndall_core::{Rgb, Spectrum};
+use tyndall_scene_io::{Scene, SceneFile};
+use tyndall_testkit::host_conformance;
+
+fn scene<S: Spectrum>(text: &str) -> Scene<S> {
+    let head = "
+        [film]
+        width = 16
+        height = 12
+        [camera]
+        position = [0, 0, 3]
+        look_at = [0, 0, 0]
+        fov = 60
+    ";
+    let path = Path::new("conformance.toml");
+    let file = SceneFile::parse(&format!("{head}{text}"), path, &[]);
+    file.and_then(|f| f.build())
+        .unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// A sphere of one material that fills most of the picture, lit by a lamp and the sky.
+fn ball(material: &str) -> Scene<f32> {
+    scene(&format!(
+        "
+        [environment]
+        radiance = 0.5
+        [materials.black]
+        kind = 'diffuse'
+        reflectance = 0
+        [materials.it]
+        {material}
+        [[shapes]]
+        kind = 'sphere'
+        center = [0, 0, 0]
+        radius = 1
+        material = 'it'
+        [[shapes]]
+        kind = 'quad'
+        corner = [-1, 2, -1]
+        edge_u = [2, 0, 0]
+        edge_v = [0, 0, 2]
+        material = 'black'
+        emission = 3
+        "
+    ))
+}
+
+/// Emitted by the lamp and arriving from the sky at the sphere around both.
+fn power_of_ball(scene: &Scene<f32>) -> f32 {
+    let size = tyndall_core::Geometry::bounds(scene).size();
+    let radius = 0.5 * size.length() * 1.001;
+    PI * 4.0 * 3.0 + 4.0 * PI * PI * radius * radius * 0.5
+}
+
+macro_rules! balls {
+    ($($name:ident: $material:expr;)+) => {
+        $(host_conformance! {
+            name: $name,
+            host: ball($material),
+            power: power_of_ball(&ball($material)),
+        })+
+    };
+}
+
+balls! {
+    diffuse: "kind = 'diffuse'\n reflectance = 0.7";
+    mirror: "kind = 'mirror'\n reflectance = 0.9";
+    smooth_glass: "kind = 'dielectric'\n ior = 1.5";
+    frosted_glass: "kind = 'dielectric'\n ior = 1.5\n roughness = 0.3";
+    etched_glass: "kind = 'dielectric'\n ior = 1.33\n roughness = 0.08";
+    bubble: "kind = 'dielectric'\n ior = 0.7\n roughness = 0.5";
+    chalky_glass: "kind = 'dielectric'\n ior = 2.4\n roughness = 1";
+    polished_metal: "kind = 'conductor'\n eta = 0.2\n k = 3.9";
+    brushed_metal: "kind = 'conductor'\n eta = 1.4\n k = 7.5\n roughness = 0.1";
+    cast_metal: "kind = 'conductor'\n eta = 2.9\n k = 3.1\n roughness = 0.8";
+    invisible: "kind = 'null'";
+}
+
+/// A coloured room whose lights are all of those that rays cannot find, and one mesh of each kind.
+const ROOM: &str = "
+    [media.fog]
+    kind = 'homogeneous'
+    sigma_a = [0.1, 0.2, 0.3]
+    sigma_s = 0.2
+    phase = { kind = 'henyey_greenstein', g = 0.5 }
+    [materials.wall]
+    kind = 'diffuse'
+    reflectance = [0.7, 0.5, 0.3]
+    [materials.fog]
+    kind = 'null'
+    inside = 'fog'
+    [materials.frost]
+    kind = 'dielectric'
+    ior = 1.5
+    roughness = 0.4
+    [[shapes]]
+    kind = 'box'
+    min = [-4, -4, -4]
+    max = [4, 4, 4]
+    material = 'wall'
+    [[shapes]]
+    kind = 'box'
+    min = [-2, -2, -2]
+    max = [2, 2, 3.5]
+    material = 'fog'
+    [[shapes]]
+    kind = 'box'
+    min = [-0.5, -0.5, -0.5]
+    max = [0.5, 0.5, 0.5]
+    transform = { rotate = { axis = [1, 2, 3], degrees = 40 }, translate = [0.3, 0, 0] }
+    material = 'frost'
+    [[shapes]]
+    kind = 'disk'
+    center = [0, 3, 0]
+    normal = [0, -1, 0.2]
+    radius = 1
+    material = 'wall'
+    emission = [4, 3, 2]
+    [[lights]]
+    kind = 'point'
+    position = [1, 1, 1]
+    power = [10, 20, 30]
+    [[lights]]
+    kind = 'spot'
+    position = [-3, 3, 0]
+    look_at = [0, 0, 0]
+    cone_angle = 30
+    falloff_angle = 20
+    power = [5, 0, 5]
+    [[lights]]
+    kind = 'beam'
+    position = [-3.5, 0, 1]
+    direction = [1, 0.1, 0]
+    radius = 0.2
+    power = [0, 7, 0]
+";
+
+host_conformance! {
+    name: room,
+    host: scene::<Rgb>(ROOM),
+    power: Rgb::new(10.0 + 5.0, 20.0 + 7.0, 30.0 + 5.0) + Rgb::new(4.0, 3.0, 2.0) * (PI * PI),
+}
+
+host_conformance! {
+    name: room_in_one_channel,
+    host: scene::<f32>(ROOM),
+    power: (15.0 + 27.0 + 35.0) / 3.0 + 3.0 * PI * PI,
+}
+
+host_conformance! {
+    name: thin_lens_under_the_sun,
+    host: scene::<f32>("
+        [materials.ground]
+        kind = 'diffuse'
+        reflectance = 0.5
+        [[shapes]]
+        kind = 'quad'
+        corner = [-1, -0.5, 1]
+        edge_u = [2, 0, 0]
+        edge_v = [0, 0, -2]
+        material = 'ground'
+        [[lights]]
+        kind = 'directional'
+        direction = [0.1, -1, 0.3]
+        irradiance = 2
+    "),
+    power: 2.0 * PI * (2.0_f32.sqrt() * 1.001).powi(2),
+}
+
+/// A roof of two triangles whose smooth normals lean away from the flat ones.
+const ROOF: &str = "
+v -1 -1 0
+v 1 -1 0
+v 1 1 0.3
+v -1 1 0.3
+vn -0.3 -0.4 1
+vn 0.5 -0.1 1
+vn 0.2 0.4 1
+vn -0.4 0.3 1
+f 1//1 2//2 3//3
+f 1//1 3//3 4//4
+";
+
+/// Smooth normals create energy in paths from the light (Veach 1997, §5.3.4), so the materials
+/// here keep little of it.
+fn roof(material: &str) -> Scene<f32> {
+    static PATH: OnceLock<String> = OnceLock::new();
+    let path = PATH.get_or_init(|| {
+        let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("roof.obj");
+        std::fs::write(&path, ROOF).unwrap();
+        path.display().to_string()
+    });
+    scene(&format!(
+        "
+        [environment]
+        radiance = 1
+        [materials.it]
+        {material}
+        [[shapes]]
+        kind = 'obj'
+        file = '{path}'
+        material = 'it'
+        "
+    ))
+}
+
+host_conformance! {
+    name: smooth_diffuse_mesh,
+    host: roof("kind = 'diffuse'\n reflectance = 0.3"),
+}
+
+host_conformance! {
+    name: smooth_metal_mesh,
+    host: roof("kind = 'conductor'\n eta = 2\n k = 0\n roughness = 0.5"),
+}
