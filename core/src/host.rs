@@ -104,14 +104,11 @@ pub trait ShadingPdf: Shading {
 /// What fills space.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` does not say what fills its space",
-    note = "implement `tyndall_core::Media`; a host without media returns `None` and `MediumId::VACUUM`"
+    note = "implement `tyndall_core::Media`; a host without media returns `None` and stays in `MediumId::VACUUM`"
 )]
 pub trait Media: HostTypes {
     /// The medium of an id; `None` for vacuum.
     fn medium(&self, id: MediumId) -> Option<&Self::Medium>;
-
-    /// The medium around the sensor.
-    fn medium_at_sensor(&self) -> MediumId;
 
     /// The medium behind the surface for light that arrives in `here` and leaves the hit along
     /// `direction`. A direction that does not cross the surface stays in `here`. Nested and

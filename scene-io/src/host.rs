@@ -181,10 +181,6 @@ impl<S: Spectrum> Media for Scene<S> {
         self.boundaries.medium(id).map(|m| &self.media[m])
     }
 
-    fn medium_at_sensor(&self) -> MediumId {
-        self.camera_medium
-    }
-
     fn medium_across(&self, hit: &Hit, direction: Vec3, here: MediumId) -> MediumId {
         let Some(boundary) = self.boundaries.of_shape(hit.shape.shape) else {
             return here;

@@ -48,9 +48,7 @@ impl<S: Spectrum> Scene<S> {
         };
         let looks: Vec<Look<S>> = file.parts.iter().map(|part| part.look(file)).collect();
         let shapes = file.parts.iter().map(|p| p.shape.clone()).collect();
-        let null = looks.iter().map(|l| matches!(l.bsdf, Bsdf::Null)).collect();
-        let surfaces =
-            Surfaces::build(shapes, null, backend).map_err(|e| problem(e.to_string()))?;
+        let surfaces = Surfaces::build(shapes, backend).map_err(|e| problem(e.to_string()))?;
         let boundaries = boundaries(file, &surfaces)?;
         let media: Result<_, _> = file.media.iter().map(|m| m.build()).collect();
         let camera_medium = locate(file.camera.position(), &surfaces, &boundaries);

@@ -30,10 +30,15 @@ fn scene<S: Spectrum>(text: &str) -> Scene<S> {
     file(text).build().unwrap_or_else(|e| panic!("{e}"))
 }
 
+/// The medium in which the sensor's rays start.
+fn at_sensor<S: Spectrum>(scene: &Scene<S>) -> MediumId {
+    scene.sensor_ray([0, 0], [0.5; 4]).medium
+}
+
 /// Every surface on the line through the scene along −z from z = 5: the z of the hit, its kind, the
 /// extinction behind it.
 fn crossings(scene: &Scene<f32>) -> Vec<(f32, SurfaceKind, f32)> {
-    let mut here = scene.medium_at_sensor();
+    let mut here = at_sensor(scene);
     let mut ray = Ray::new(Vec3::new(0.01, 0.02, 5.0), Vec3::NEG_Z);
     let mut found = Vec::new();
     while let Some((_, hit)) = scene.intersect(&ray, here) {
@@ -130,7 +135,7 @@ fn nested_boundaries_hold_by_priority() {
 #[test]
 fn glass_refracts_by_the_indices_on_both_its_sides() {
     let scene = scene::<f32>(TUMBLER);
-    let mut here = scene.medium_at_sensor();
+    let mut here = at_sensor(&scene);
     let mut ray = Ray::new(Vec3::new(0.01, 0.02, 5.0), Vec3::NEG_Z);
     let mut etas = Vec::new();
     while let Some((_, hit)) = scene.intersect(&ray, here) {
@@ -155,7 +160,7 @@ fn glass_refracts_by_the_indices_on_both_its_sides() {
 fn light_totally_reflected_stays_in_its_medium() {
     let scene = scene::<f32>(TUMBLER);
     let inside = Ray::new(Vec3::new(0.3, 0.2, 1.5), Vec3::new(0.8, 0.0, 0.6));
-    let mut here = scene.medium_at_sensor();
+    let mut here = at_sensor(&scene);
     for z in [5.0, 3.0] {
         let ray = Ray::new(Vec3::new(0.3, 0.2, z), Vec3::NEG_Z);
         let (_, hit) = scene.intersect(&ray, here).unwrap();
@@ -187,14 +192,14 @@ fn camera_and_lights_know_their_medium() {
         let overrides = [("camera.position".to_owned(), format!("[0.1, 0.2, {z}]"))];
         let file = SceneFile::parse(&format!("{HEAD}{TUMBLER}"), Path::new("x.toml"), &overrides);
         let scene = file.unwrap().build::<f32>().unwrap();
-        sigma_t(&scene, scene.medium_at_sensor())
+        sigma_t(&scene, at_sensor(&scene))
     };
     assert_eq!(["5", "3", "1.5", "0.5"].map(place), [0.0, 1.0, 2.0, 3.0]);
     let fog = "[media.fog]\nkind = 'homogeneous'\nsigma_a = 7\nsigma_s = 0";
     let text = format!("{HEAD}medium = 'fog'\n{fog}");
     let scene = SceneFile::parse(&text, Path::new("x.toml"), &[]).unwrap();
     let scene = scene.build::<f32>().unwrap();
-    assert_eq!(sigma_t(&scene, scene.medium_at_sensor()), 7.0);
+    assert_eq!(sigma_t(&scene, at_sensor(&scene)), 7.0);
 }
 
 #[test]
@@ -285,7 +290,7 @@ fn grey_scenes_are_told_from_coloured_ones() {
 
 fn hit_ahead<S: Spectrum>(scene: &Scene<S>) -> (f32, Hit) {
     let ray = Ray::new(Vec3::new(0.0, 0.0, 5.0), Vec3::NEG_Z);
-    scene.intersect(&ray, scene.medium_at_sensor()).unwrap()
+    scene.intersect(&ray, at_sensor(scene)).unwrap()
 }
 
 /// A quad of two triangles, one of them blue by the MTL file, the other without normals.
@@ -500,6 +505,6 @@ fn the_candle_loads() {
     let scene = file
         .and_then(|f| f.build::<f32>())
         .unwrap_or_else(|e| panic!("{e}"));
-    assert_eq!(scene.medium_at_sensor(), MediumId::VACUUM);
+    assert_eq!(at_sensor(&scene), MediumId::VACUUM);
     assert!(scene.sample_emission([0.5; 6]).is_some());
 }

@@ -63,8 +63,7 @@ fn measure(criterion: &mut Criterion, name: &str, mut query: impl FnMut(&Ray) ->
 
 fn wrapped(criterion: &mut Criterion, backend: Backend) {
     let shapes = vec![Shape::Mesh(torus())];
-    let surfaces =
-        Surfaces::build(shapes, vec![false], backend).expect("the torus is a valid mesh");
+    let surfaces = Surfaces::build(shapes, backend).expect("the torus is a valid mesh");
     let name = |query| format!("{backend:?}, {query}");
     measure(criterion, &name("nearest"), |ray| {
         black_box(surfaces.intersect(ray)).is_some()

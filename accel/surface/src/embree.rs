@@ -16,9 +16,11 @@ pub(crate) struct Embree(Scene<'static>);
 
 impl Embree {
     pub(crate) fn build(shapes: &[Shape]) -> Result<Self, SurfaceError> {
-        build(shapes).map(Self).map_err(|error| SurfaceError::Embree {
-            message: error.to_string(),
-        })
+        build(shapes)
+            .map(Self)
+            .map_err(|error| SurfaceError::Embree {
+                message: error.to_string(),
+            })
     }
 
     /// The nearest hit.

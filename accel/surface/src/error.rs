@@ -63,14 +63,6 @@ pub enum SurfaceError {
         /// The shape.
         shape: usize,
     },
-    /// The list of null flags is not as long as that of the shapes.
-    #[error("{flags} null flags for {shapes} shapes; give one a shape")]
-    NullFlags {
-        /// How many flags.
-        flags: usize,
-        /// How many shapes.
-        shapes: usize,
-    },
     /// More primitives than 32 bits can count.
     #[error("{primitives} primitives; split the scene, 4294967295 is the limit")]
     TooMany {

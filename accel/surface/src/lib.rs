@@ -10,7 +10,7 @@
 //! use tyndall_surface::{Backend, Shape, Surfaces};
 //!
 //! let ball = Shape::Sphere { center: Vec3::ZERO, radius: 2.0 };
-//! let surfaces = Surfaces::build(vec![ball], vec![false], Backend::default())?;
+//! let surfaces = Surfaces::build(vec![ball], Backend::default())?;
 //! let ray = Ray::new(Vec3::new(0.0, 0.0, -5.0), Vec3::Z);
 //! let (t, hit) = surfaces.intersect(&ray).expect("the ray aims at the ball");
 //! assert_eq!(t, 3.0);

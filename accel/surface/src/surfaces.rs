@@ -54,10 +54,7 @@ impl Surfaces {
     ///
     /// # Errors
     /// See [`SurfaceError`]; it names the shape and what to do.
-    pub fn build(
-        shapes: Vec<Shape>,
-        backend: Backend,
-    ) -> Result<Self, SurfaceError> {
+    pub fn build(shapes: Vec<Shape>, backend: Backend) -> Result<Self, SurfaceError> {
         validate(&shapes)?;
         let engine = match backend {
             Backend::Embedded => Engine::Embedded(Embedded::build(&shapes)),

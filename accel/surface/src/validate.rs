@@ -8,13 +8,7 @@ use glam::Vec3;
 const LARGEST: f32 = 1e18;
 
 /// Whether these shapes can be built.
-pub(crate) fn validate(shapes: &[Shape], null: &[bool]) -> Result<(), SurfaceError> {
-    if shapes.len() != null.len() {
-        return Err(SurfaceError::NullFlags {
-            flags: null.len(),
-            shapes: shapes.len(),
-        });
-    }
+pub(crate) fn validate(shapes: &[Shape]) -> Result<(), SurfaceError> {
     for (i, shape) in shapes.iter().enumerate() {
         check_shape(i, shape)?;
     }

@@ -182,9 +182,6 @@ impl Media for Ball {
     fn medium(&self, _: MediumId) -> Option<&Homogeneous<f32>> {
         None
     }
-    fn medium_at_sensor(&self) -> MediumId {
-        MediumId::VACUUM
-    }
     fn medium_across(&self, _: &BoundaryHit, _: Vec3, here: MediumId) -> MediumId {
         here
     }

@@ -1,11 +1,11 @@
 //! Rays and shapes at the border of what can be met.
 
+use crate::built;
 use crate::random::Random;
 use crate::scenes::{add_triangle, triangle};
-use crate::{BACKENDS, built};
 use glam::Vec3;
 use tyndall_core::Ray;
-use tyndall_surface::{Backend, Mesh, Shape, Surfaces};
+use tyndall_surface::{Backend, Mesh, Shape};
 
 fn quad(corner: Vec3, edge_u: Vec3, edge_v: Vec3) -> Shape {
     Shape::Quad {
@@ -147,25 +147,6 @@ fn rays_end_at_t_max() {
                 assert_eq!(surfaces.occluded(&ray), met, "{backend:?}: {ray:?}");
             }
         }
-    }
-}
-
-#[test]
-fn null_shapes_are_met_but_do_not_occlude() {
-    let ball = |z: f32| Shape::Sphere {
-        center: z * Vec3::Z,
-        radius: 1.0,
-    };
-    let wall = quad(Vec3::new(-1.0, -1.0, 5.0), 2.0 * Vec3::X, 2.0 * Vec3::Y);
-    for &backend in BACKENDS {
-        let shapes = vec![wall.clone(), ball(10.0), ball(20.0)];
-        let surfaces = Surfaces::build(shapes, vec![true, true, false], backend)
-            .expect("the shapes are valid");
-        let ray = Ray::new(Vec3::ZERO, Vec3::Z);
-        let (t, hit) = surfaces.intersect(&ray).expect("the wall is in the way");
-        assert_eq!((t, hit.shape), (5.0, 0), "{backend:?}");
-        assert!(!surfaces.occluded(&ray.up_to(18.9)), "{backend:?}");
-        assert!(surfaces.occluded(&ray.up_to(19.1)), "{backend:?}");
     }
 }
 

@@ -3,12 +3,12 @@
 use crate::BACKENDS;
 use crate::scenes::triangle;
 use glam::{Vec2, Vec3};
-use tyndall_surface::{Mesh, Shape, SurfaceError, Surfaces};
+use tyndall_surface::{Mesh, Shape, Surfaces};
 
 fn error(shape: Shape) -> String {
     let good = triangle([Vec3::ZERO, Vec3::X, Vec3::Y]);
     for &backend in BACKENDS {
-        let built = Surfaces::build(vec![good.clone(), shape.clone()], vec![false; 2], backend);
+        let built = Surfaces::build(vec![good.clone(), shape.clone()], backend);
         if let Err(error) = built {
             return error.to_string();
         }
@@ -85,14 +85,4 @@ fn faulty_meshes_are_named() {
         let error = error(shape);
         assert!(error.starts_with(message), "{error}");
     }
-}
-
-#[test]
-fn every_shape_needs_a_null_flag() {
-    let built = Surfaces::build(vec![sphere(Vec3::ZERO, 1.0)], vec![], BACKENDS[0]);
-    let expected = SurfaceError::NullFlags {
-        flags: 0,
-        shapes: 1,
-    };
-    assert_eq!(built.err(), Some(expected));
 }

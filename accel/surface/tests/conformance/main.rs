@@ -19,11 +19,10 @@ const BACKENDS: &[Backend] = &[
     Backend::Embree,
 ];
 
-/// The shapes under every backend, none of them null.
+/// The shapes under every backend.
 fn built(shapes: &[Shape]) -> impl Iterator<Item = (Backend, Surfaces)> {
     BACKENDS.iter().map(move |&backend| {
-        let null = vec![false; shapes.len()];
-        let surfaces = Surfaces::build(shapes.to_vec(), null, backend);
+        let surfaces = Surfaces::build(shapes.to_vec(), backend);
         (backend, surfaces.expect("the shapes are valid"))
     })
 }

@@ -190,10 +190,6 @@ impl Media for RptHost {
         self.fog.as_ref().filter(|_| id == FOG)
     }
 
-    fn medium_at_sensor(&self) -> MediumId {
-        FOG
-    }
-
     fn medium_across(&self, hit: &RptHit, direction: Vec3, _: MediumId) -> MediumId {
         if self.material(hit).transparent && to_glm(direction).dot(&hit.normal) < 0.0 {
             MediumId::VACUUM

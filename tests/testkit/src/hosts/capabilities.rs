@@ -127,10 +127,6 @@ impl<M: Medium> Media for AnalyticHost<M> {
         (id == INSIDE).then_some(&self.medium)
     }
 
-    fn medium_at_sensor(&self) -> MediumId {
-        self.medium_at(self.view.position())
-    }
-
     fn medium_across(&self, hit: &BoundaryHit, direction: Vec3, _: MediumId) -> MediumId {
         if direction.dot(hit.normal) < 0.0 {
             INSIDE

@@ -54,16 +54,6 @@ impl View {
         }
     }
 
-    /// Where the sensor is; its rays start in the medium of this point.
-    pub(super) fn position(&self) -> Vec3 {
-        match self {
-            Self::Rays(rays) => rays.first().map_or(Vec3::ZERO, |ray| ray.origin),
-            Self::Fluence { position } | Self::Flux { position, .. } => *position,
-            Self::Row { first, .. } => first.origin,
-            Self::Pinhole { eye, .. } => *eye,
-        }
-    }
-
     /// The ray of a pixel and its weight: 1 for radiance, 1/`pdf_w` (times the cosine) for an
     /// integral over directions.
     pub(super) fn ray(&self, px: [u32; 2], u: [f32; 4]) -> (Ray, f32) {
