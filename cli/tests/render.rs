@@ -1,0 +1,170 @@
+//! The command as a person meets it.
+
+use assert_cmd::Command;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Output, Stdio};
+use std::time::{Duration, Instant};
+use tempfile::TempDir;
+
+fn scene(name: &str) -> String {
+    format!("{}/../scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"))
+}
+
+fn tyndall(arguments: &[&str]) -> Output {
+    Command::cargo_bin("tyndall")
+        .expect("the command is built")
+        .args(arguments)
+        .output()
+        .expect("the command runs")
+}
+
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn folder() -> TempDir {
+    tempfile::tempdir().expect("a folder")
+}
+
+fn path(folder: &TempDir, name: &str) -> (PathBuf, String) {
+    let path = folder.path().join(name);
+    let text = path.display().to_string();
+    (path, text)
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).expect("a folder");
+    let mut names: Vec<_> = entries
+        .map(|e| {
+            e.expect("an entry")
+                .file_name()
+                .to_string_lossy()
+                .into_owned()
+        })
+        .collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn a_scene_becomes_two_images() {
+    let folder = folder();
+    let ((_, exr), (_, png)) = (path(&folder, "out.exr"), path(&folder, "out.png"));
+    let output = tyndall(&[
+        "render",
+        &scene("cornell_fog"),
+        "-o",
+        &exr,
+        "--png",
+        &png,
+        "--passes",
+        "2",
+        "--threads",
+        "2",
+        "--set",
+        "film.width=24",
+        "--set",
+        "film.height=16",
+    ]);
+    assert!(output.status.success(), "{}", said(&output));
+    assert!(said(&output).contains("2 passes"), "{}", said(&output));
+    assert_eq!(names(folder.path()), ["out.exr", "out.png"]);
+    let bytes = fs::read(&png).expect("an image");
+    assert_eq!(
+        bytes[16..24],
+        [0, 0, 0, 24, 0, 0, 0, 16],
+        "width and height of a PNG"
+    );
+}
+
+#[test]
+fn the_same_seed_gives_the_same_picture_and_another_seed_another() {
+    let folder = folder();
+    let render = |name: &str, seed: &str, threads: &str| {
+        let (file, png) = path(&folder, name);
+        let (_, exr) = path(&folder, "out.exr");
+        let small = ["--set", "film.width=20", "--set", "film.height=20"];
+        let budget = ["--passes", "2", "--seed", seed, "--threads", threads];
+        let scene = scene("spot_smoke");
+        let head = ["render", &scene, "-o", &exr, "--png", &png];
+        let output = tyndall(&[&head[..], &small, &budget].concat());
+        assert!(output.status.success(), "{}", said(&output));
+        fs::read(file).expect("an image")
+    };
+    let first = render("a.png", "1", "1");
+    assert!(first == render("b.png", "1", "3"));
+    assert!(first != render("c.png", "2", "1"));
+}
+
+#[test]
+fn what_cannot_be_is_one_message_and_exit_1() {
+    let folder = folder();
+    let (_, out) = path(&folder, "out.exr");
+    let scene = scene("laser");
+    let nowhere = format!("{}/no/such/folder/out.exr", folder.path().display());
+    for (arguments, needles) in [
+        (
+            vec!["render", "missing.toml", "-o", &out],
+            &["missing.toml"][..],
+        ),
+        (
+            vec!["render", &scene, "-o", &out, "--set", "film.widht=3"],
+            &["widht", "width"],
+        ),
+        (
+            vec!["render", &scene, "-o", &out, "--integrator", "photons"],
+            &["photons", "path"],
+        ),
+        (vec!["render", &scene, "-o", &nowhere], &["no/such/folder"]),
+    ] {
+        let output = tyndall(&arguments);
+        let said = said(&output);
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}: {said}");
+        assert_eq!(said.trim_end().lines().count(), 1, "{said}");
+        assert!(needles.iter().all(|n| said.contains(n)), "{said}");
+        assert!(names(folder.path()).is_empty(), "{arguments:?}");
+    }
+}
+
+#[test]
+fn a_wrong_command_line_is_exit_2() {
+    let scene = scene("laser");
+    for arguments in [
+        vec!["render", &scene],
+        vec!["render", &scene, "-o", "out.png"],
+        vec!["render", &scene, "-o", "out.exr", "--passes", "0"],
+        vec!["render", &scene, "-o", "out.exr", "--time", "3 weeks"],
+        vec!["render", &scene, "-o", "out.exr", "--error", "-1"],
+        vec![
+            "render", &scene, "-o", "out.exr", "--error", "1", "--passes", "3",
+        ],
+        vec!["render", &scene, "-o", "out.exr", "--set", "width"],
+    ] {
+        assert_eq!(tyndall(&arguments).status.code(), Some(2), "{arguments:?}");
+    }
+    assert!(!Path::new("out.exr").exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_render_writes_what_there_is() {
+    let folder = folder();
+    let (file, exr) = path(&folder, "out.exr");
+    let mut child = std::process::Command::new(assert_cmd::cargo::cargo_bin("tyndall"))
+        .args(["render", &scene("laser"), "-o", &exr, "--time", "1h"])
+        .args(["--set", "film.width=16", "--set", "film.height=9"])
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the command runs");
+    std::thread::sleep(Duration::from_secs(2));
+    let interrupt = std::process::Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status()
+        .expect("kill runs");
+    assert!(interrupt.success());
+    let start = Instant::now();
+    let status = child.wait().expect("the command ends");
+    assert!(start.elapsed() < Duration::from_secs(60) && status.success());
+    assert!(file.exists());
+}

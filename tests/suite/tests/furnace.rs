@@ -1,0 +1,115 @@
+//! White furnaces made of scene files: in a sky of radiance 1, what loses no light is not to be seen.
+//!
+//! Every shape, boundary and medium of the command's own host, by `path`. False alarms: 0.27 % a
+//! test (three standard errors of a normal distribution), Šidák-corrected within it; fixed seeds.
+
+use std::path::Path as FilePath;
+use tyndall_core::{Rgb, Sensor};
+use tyndall_path::Path;
+use tyndall_scene_io::SceneFile;
+use tyndall_testkit::measure_mean;
+use tyndall_testkit::stats::check_means;
+
+const FALSE_ALARM: f64 = 0.0027;
+const PRECISION: f64 = 0.003;
+
+const HEAD: &str = r#"
+[camera]
+position = [0.3, 0.4, 4]
+look_at = [0, 0, 0]
+fov = 30
+[film]
+width = 8
+height = 8
+[environment]
+radiance = 1
+[media.milk]
+kind = "homogeneous"
+sigma_a = 0
+sigma_s = [0.4, 1.5, 3.0]
+phase = { kind = "henyey_greenstein", g = 0.6 }
+[media.smoke]
+kind = "grid"
+plume = { resolution = 16 }
+min = [-1, -1, -1]
+max = [1, 1, 1]
+scale = 5
+albedo = 1
+phase = { kind = "blend", parts = [{ weight = 1, phase = "rayleigh" }, { weight = 2, phase = { kind = "henyey_greenstein", g = -0.4 } }] }
+"#;
+
+/// Of the scene with these materials and shapes; inline keys must stand before the tables.
+fn is_white(name: &str, shapes: &str, passes: u64) {
+    let text = format!("{shapes}{HEAD}");
+    let file = SceneFile::parse(&text, FilePath::new(name), &[]).unwrap_or_else(|e| panic!("{e}"));
+    let scene = file.build::<Rgb>().unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(scene.resolution(), [8, 8]);
+    let figures = measure_mean(&scene, &Path::new(), passes, 1);
+    let cases: Vec<_> = figures
+        .into_iter()
+        .map(|estimate| {
+            let precision = estimate.relative_standard_error();
+            assert!(precision <= PRECISION, "{name}: {precision:.4}");
+            (name, estimate, 1.0)
+        })
+        .collect();
+    check_means(&cases, FALSE_ALARM).unwrap_or_else(|why| panic!("{why}"));
+}
+
+#[test]
+fn milk_without_walls() {
+    let shapes = r#"
+        materials.boundary = { kind = "null", inside = "milk" }
+        shapes = [{ kind = "sphere", center = [0, 0, 0], radius = 1, material = "boundary" }]
+    "#;
+    is_white("milk without walls", shapes, 4_000);
+}
+
+#[test]
+fn milk_in_glass() {
+    let shapes = r#"
+        materials.glass = { kind = "dielectric", ior = 1.5, inside = "milk" }
+        shapes = [{ kind = "sphere", center = [0, 0, 0], radius = 1, material = "glass" }]
+    "#;
+    is_white("milk in glass", shapes, 8_000);
+}
+
+#[test]
+fn smoke_in_a_box() {
+    let shapes = r#"
+        materials.boundary = { kind = "null", inside = "smoke" }
+        shapes = [{ kind = "box", min = [-1, -1, -1], max = [1, 1, 1], material = "boundary" }]
+    "#;
+    is_white("smoke in a box", shapes, 4_000);
+}
+
+#[test]
+fn milk_that_reaches_into_the_wall_of_its_glass() {
+    let shapes = r#"
+        materials.glass = { kind = "dielectric", ior = 1.5, priority = 2 }
+        materials.air = { kind = "dielectric", ior = 1.0, priority = 3 }
+        materials.milk = { kind = "dielectric", ior = 1.33, inside = "milk", priority = 4 }
+        shapes = [
+            { kind = "sphere", center = [0, 0, 0], radius = 1, material = "glass" },
+            { kind = "sphere", center = [0, 0.1, 0], radius = 0.8, material = "air" },
+            { kind = "sphere", center = [0, -0.3, 0], radius = 0.6, material = "milk" },
+        ]
+    "#;
+    is_white("milk in a glass", shapes, 8_000);
+}
+
+#[test]
+fn white_walls_in_milk() {
+    let shapes = r#"
+        materials.boundary = { kind = "null", inside = "milk" }
+        materials.white = { kind = "diffuse", reflectance = 1 }
+        materials.mirror = { kind = "mirror" }
+        shapes = [
+            { kind = "sphere", center = [0, 0, 0], radius = 1, material = "boundary" },
+            { kind = "box", min = [-0.5, -0.5, -0.5], max = [0, 0, 0], material = "white" },
+            { kind = "quad", corner = [0.2, -0.4, 0.2], edge_u = [0.5, 0, 0], edge_v = [0, 0.5, 0.2], material = "mirror" },
+            { kind = "disk", center = [0, 0.5, 0], normal = [0.2, 1, 0.1], radius = 0.4, material = "white" },
+        ]
+    "#;
+    is_white("white walls in milk", shapes, 8_000);
+}
