@@ -18,7 +18,7 @@ pub(crate) struct Arguments {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Render a scene to an image.
+    /// Render a scene to an image. Ctrl-C stops after the current pass and writes the image.
     Render(RenderArguments),
 }
 

@@ -1,7 +1,7 @@
 //! `tyndall`: renders scenes with participating media.
 //!
 //! Exit codes: 0 done (a render stopped by Ctrl-C that wrote its image included), 1 the scene, the
-//! render or the output failed, 2 the command line was wrong.
+//! render or the output failed, 2 the command line was wrong, 130 a second Ctrl-C did not wait.
 #![forbid(unsafe_code)]
 
 mod arguments;

@@ -16,6 +16,9 @@ use tyndall_scene_io::{
 /// Passes where neither the command line nor the scene says how many.
 const PASSES: u64 = 64;
 
+/// Exit code of a second Ctrl-C, which does not wait for the pass: 128 + SIGINT.
+const INTERRUPTED: i32 = 130;
+
 /// Why there is no image.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Error {
@@ -42,7 +45,11 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<(), Error> {
     }
     let cancelled = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&cancelled);
-    ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))?;
+    ctrlc::set_handler(move || {
+        if flag.swap(true, Ordering::Relaxed) {
+            std::process::exit(INTERRUPTED);
+        }
+    })?;
     let threads = arguments.threads.map_or(0, usize::from);
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
@@ -143,12 +150,15 @@ fn notes<S: Spectrum>(config: &IntegratorConfig, film: &Film<S>, interrupted: bo
     }
     match scattering(config) {
         Scattering::Multiple => {}
-        Scattering::Single => notes.push(
-            "biased: light that media scatter more than once is left out (scattering)".into(),
-        ),
-        Scattering::None => {
-            notes.push("biased: light that media scatter is left out (scattering)".into());
+        Scattering::Single => {
+            notes.push("light that media scatter more than once is left out (scattering)".into())
         }
+        Scattering::None => {
+            notes.push("light that media scatter is left out (scattering)".into());
+        }
+    }
+    if film.mean().iter().all(|value| *value == 0.0) {
+        notes.push("the image is black: no light was found".into());
     }
     if film.non_finite() > 0 {
         notes.push(format!(

@@ -47,6 +47,9 @@ pub trait AnyIntegrator<H: HostTypes, R: Streams>: Sync {
     ///
     /// # Errors
     /// As there.
+    ///
+    /// # Panics
+    /// If `previous` comes from another integrator.
     fn begin_any(
         &self,
         host: &H,
@@ -82,9 +85,7 @@ impl<H: Sensor, R: Streams, I: Integrator<H>> AnyIntegrator<H, R> for I {
         cx: &PassContext<'_, R>,
         previous: Option<AnyPass>,
     ) -> Result<AnyPass, PassError> {
-        let previous = previous
-            .and_then(|p| p.downcast::<I::Pass>().ok())
-            .map(|p| *p);
+        let previous = previous.map(|p| *p.downcast::<I::Pass>().expect(FOREIGN));
         Ok(Box::new(self.begin_pass(host, cx, previous)?))
     }
 

@@ -43,7 +43,8 @@ pub trait Geometry: HostTypes {
     fn surface(&self, hit: &Self::Hit) -> Surface;
 
     /// The infinite ray leaving `from` in the unit direction `direction`, started where it cannot
-    /// meet the surface it leaves again.
+    /// meet the surface it leaves again: a walk that crosses null surfaces advances, or it would
+    /// never end.
     ///
     /// # Panics
     /// May panic if `from` is [`Anchor::Direction`], which is nowhere.
@@ -130,7 +131,7 @@ pub trait Media: HostTypes {
 pub trait LightEmission: HostTypes {
     /// An emitted ray; `None` if this `u` emits nothing. `u[0]` chooses the light, so that
     /// stratifying it stratifies the choice.
-    fn sample_emission(&self, u: [f32; 6]) -> Option<EmissionSample<Self::Spectrum>>;
+    fn sample_emission(&self, u: [f32; 6]) -> Option<EmissionSample<Self::Spectrum, Self::Hit>>;
 }
 
 /// Light arriving from its sources: next event estimation.

@@ -3,8 +3,10 @@
 use crate::{Anchor, MediumId, Ray};
 use glam::Vec3;
 
-/// What kind of connection a light allows.
+/// What kind of connection a light allows. Light that media emit has no kind yet: it is found by
+/// [`Medium::emitted`](crate::Medium::emitted) alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum LightKind {
     /// A surface that rays can hit.
     Area,
@@ -17,9 +19,12 @@ pub enum LightKind {
 }
 
 /// A ray of light leaving a source.
-#[derive(Clone, Copy, Debug)]
-pub struct EmissionSample<S> {
-    /// From the source into the scene.
+#[derive(Clone, Debug)]
+pub struct EmissionSample<S, Hit> {
+    /// The point that the light leaves: a surface, a point, or (for [`LightKind::Parallel`] and
+    /// [`LightKind::Background`]) the direction towards the source.
+    pub source: Anchor<Hit>,
+    /// From the source into the scene; infinite.
     pub ray: Ray,
     /// Power that the sample stands for, in W: its mean over all samples is the total power of the
     /// lights. Emitted radiance × cosine over both densities; where `kind` makes one of them a
@@ -59,4 +64,11 @@ pub struct DirectSample<S, Hit> {
     /// no ray can find the light by chance (a point, a beam, an invisible shape): then the sample
     /// stands alone in multiple importance sampling.
     pub pdf_w: f32,
+    /// Densities of [`LightEmission::sample_emission`](crate::LightEmission::sample_emission) for
+    /// the same light, travelling along −`wi`; zero for a host without it.
+    pub emission: EmissionPdf,
+    /// |cos θ| between `wi` and the normal of the source; 1 where there is no surface.
+    pub cos_theta: f32,
+    /// What was chosen.
+    pub kind: LightKind,
 }

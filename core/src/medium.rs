@@ -45,8 +45,7 @@ impl<S: Spectrum> Coefficients<S> {
 ///
 /// `wo` and `wi` both point away from the vertex: light travelling straight on has `wi = −wo`.
 pub trait PhaseFunction {
-    /// The value per steradian, which is also the density of [`PhaseFunction::sample`] up to
-    /// importance sampling that is not exact.
+    /// The value per steradian.
     fn eval(&self, wo: Vec3, wi: Vec3) -> f32;
 
     /// A direction, for `u` in \[0, 1)².
@@ -169,6 +168,10 @@ pub trait Medium: Send + Sync {
     /// density, good for weights of multiple importance sampling and for nothing else.
     fn pdf_free_flight(&self, ray: &Ray, t: f32, importance: Self::Spectrum) -> f32;
 
+    /// Probability that [`Medium::sample_free_flight`] passes to the end of the ray, by the same
+    /// rule as [`Medium::pdf_free_flight`].
+    fn pmf_passing(&self, ray: &Ray, importance: Self::Spectrum) -> f32;
+
     /// Visits stretches that cover the ray in order of distance, with bounds of the extinction;
     /// gaps are empty. Stops when `visit` breaks.
     fn majorants(&self, ray: &Ray, visit: impl FnMut(Majorant) -> ControlFlow<()>);
@@ -214,6 +217,9 @@ impl<S: Spectrum> Medium for Vacuum<S> {
         match self.0 {}
     }
     fn pdf_free_flight(&self, _: &Ray, _: f32, _: S) -> f32 {
+        match self.0 {}
+    }
+    fn pmf_passing(&self, _: &Ray, _: S) -> f32 {
         match self.0 {}
     }
     fn majorants(&self, _: &Ray, _: impl FnMut(Majorant) -> ControlFlow<()>) {

@@ -59,6 +59,9 @@ pub struct SensorRay<S> {
     pub weight: S,
     /// The medium in which the ray starts.
     pub medium: MediumId,
+    /// Density per steradian of the ray's direction over the whole film, in the unit of
+    /// [`SensorConnection::pdf_w`]; 0 for a sensor that cannot be connected to.
+    pub pdf_w: f32,
 }
 
 /// A connection from a point of the scene to the sensor, before visibility and transmittance.
@@ -79,12 +82,13 @@ pub struct SensorConnection<S> {
 }
 
 impl<S: Spectrum> SensorRay<S> {
-    /// A ray of weight one.
+    /// A ray of weight one, of a sensor that cannot be connected to.
     pub fn new(ray: Ray, medium: MediumId) -> Self {
         Self {
             ray,
             weight: S::splat(1.0),
             medium,
+            pdf_w: 0.0,
         }
     }
 }

@@ -16,7 +16,8 @@ pub struct Surface {
 /// What an integrator must know of a surface before it asks for directions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SurfaceKind {
-    /// Light passes straight through: the boundary of a medium of equal index. No bounce.
+    /// Light passes straight through: the boundary of a medium of equal index. No bounce. It may
+    /// emit.
     Null,
     /// Directions are discrete only (mirror, smooth glass): `bsdf_eval` is zero, photons are not
     /// stored here and lights are not connected to.

@@ -64,6 +64,11 @@ impl<S: Spectrum> Medium for AnyMedium<S> {
     }
 
     #[inline]
+    fn pmf_passing(&self, ray: &Ray, importance: S) -> f32 {
+        forward!(self, medium => medium.pmf_passing(ray, importance))
+    }
+
+    #[inline]
     fn majorants(&self, ray: &Ray, visit: impl FnMut(Majorant) -> ControlFlow<()>) {
         forward!(self, medium => medium.majorants(ray, visit));
     }

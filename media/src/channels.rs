@@ -1,7 +1,7 @@
 //! Sampling one distance for all channels.
 
 use crate::MediumError;
-use tyndall_core::{Coefficients, Spectrum};
+use tyndall_core::{Coefficients, Sampler, Spectrum};
 
 /// Probabilities of the channels, in proportion to `importance`; uniform if it is black or not
 /// finite.
@@ -33,10 +33,17 @@ pub(crate) fn choose_channel<S: Spectrum>(pmf: S, u: f32) -> usize {
     chosen
 }
 
-/// A distance in mean free paths: density e^{−τ}, for `u` in \[0, 1).
+/// A distance in mean free paths: density e^{−τ}. Near 0 and 1 the 24 bits of a number are refined
+/// by those of another, so that distances reach from 4e-15 to 33.
 #[inline]
-pub(crate) fn exponential(u: f32) -> f32 {
-    -(-u).ln_1p()
+pub(crate) fn exponential(sampler: &mut impl Sampler) -> f32 {
+    const EDGE: f32 = 1.0 / 1024.0;
+    let u = sampler.next_1d();
+    if (EDGE..1.0 - EDGE).contains(&u) {
+        return -(-u).ln_1p();
+    }
+    let fine = f64::from(u) + f64::from(sampler.next_1d()) / f64::from(1 << 24);
+    -(-fine).ln_1p() as f32
 }
 
 /// The smallest of `values` among the channels where `pmf` is positive.

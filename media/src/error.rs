@@ -53,8 +53,21 @@ pub enum MediumError {
         weight: f32,
     },
     /// The box of a grid has no volume or no end.
-    #[error("`bounds` of a grid must be finite and have a volume; make every edge longer than 0")]
+    #[error(
+        "`bounds` of a grid must have a volume; make every edge longer than 1e-18 and shorter than 1e18"
+    )]
     GridBounds,
+    /// A grid so dense that tracking would take for ever.
+    #[error(
+        "the extinction reaches {sigma_t} in a grid {diagonal} long: {} mean free paths; keep them \
+         below {limit}", .sigma_t * .diagonal, limit = MediumError::DENSEST
+    )]
+    TooDense {
+        /// Largest extinction of any channel, 1/scene unit.
+        sigma_t: f32,
+        /// Diagonal of the box, scene units.
+        diagonal: f32,
+    },
     /// The number of values is not the number of voxels, or there are none.
     #[error(
         "a grid of {} x {} x {} voxels was given {values} values; give one for each voxel, x fastest",
@@ -90,4 +103,9 @@ pub enum MediumError {
         /// Its value.
         value: f32,
     },
+}
+
+impl MediumError {
+    /// Mean free paths across a grid from which on it is [`MediumError::TooDense`].
+    pub const DENSEST: f32 = 1e7;
 }

@@ -53,7 +53,9 @@ impl<T: Spectrum> DenseGrid<T> {
     pub fn new(resolution: [usize; 3], bounds: Aabb, values: Vec<T>) -> Result<Self, MediumError> {
         let size = bounds.size();
         let scale = counts(resolution) / size;
-        if !(size.is_finite() && size.cmpgt(Vec3::ZERO).all() && scale.is_finite()) {
+        let has_volume =
+            size.cmpgt(Vec3::splat(1e-18)).all() && size.cmplt(Vec3::splat(1e18)).all();
+        if !(has_volume && scale.is_finite()) {
             return Err(MediumError::GridBounds);
         }
         let voxels = resolution

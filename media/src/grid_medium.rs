@@ -27,7 +27,7 @@ pub enum Tracking {
 ///
 /// # Cost
 /// A free flight takes as many lookups as the majorant's optical depth up to the collision, so a
-/// thin region in the same majorant cell (8 voxels wide) as a dense one is slow, though right. So is
+/// thin region in the same majorant cell (at least 8 voxels wide) as a dense one is slow, though right. So is
 /// a channel that is clear where another is dense: it goes on through every collision of the other
 /// (1e6 of them where the other has σt = 1e6 over a length of 1).
 #[derive(Clone, Debug)]
@@ -61,14 +61,20 @@ impl<S: Spectrum> GridMedium<S> {
     ///
     /// # Errors
     /// [`MediumError::Coefficient`] if a coefficient is negative or not finite, alone or times the
-    /// largest density.
+    /// largest density; [`MediumError::TooDense`].
     pub fn new(
         density: DenseGrid,
         per_density: Coefficients<S>,
         phase: Phase,
     ) -> Result<Self, MediumError> {
         check_coefficients(&per_density)?;
-        check_coefficients(&scaled(per_density, density.max()))?;
+        let densest = scaled(per_density, density.max());
+        check_coefficients(&densest)?;
+        let sigma_t = densest.sigma_t().max_channel();
+        let diagonal = density.bounds().size().length();
+        if sigma_t * diagonal > MediumError::DENSEST {
+            return Err(MediumError::TooDense { sigma_t, diagonal });
+        }
         let majorants = majorants(&density, per_density, None);
         Ok(Self {
             density,
@@ -125,6 +131,17 @@ impl<S: Spectrum> GridMedium<S> {
         let integral = self.density.line_integral(ray);
         let sigma_t = self.per_density.sigma_t();
         sigma_t.map(|sigma_t| (f64::from(sigma_t) * integral) as f32)
+    }
+
+    /// What the mean densities of the majorant cells on the way let through.
+    fn mean_transmittance(&self, ray: &Ray) -> S {
+        let mut column = 0.0;
+        let _ = self.majorants.walk(ray, |enter, leave, cell| {
+            column += (leave - enter) * f64::from(cell.density);
+            ControlFlow::Continue(())
+        });
+        let sigma_t = self.per_density.sigma_t();
+        sigma_t.map(|sigma_t| (-sigma_t * column as f32).exp())
     }
 
     /// σt at a point inside the box.
@@ -246,14 +263,12 @@ impl<S: Spectrum> Medium for GridMedium<S> {
         if !(0.0..ray.t_max).contains(&t) || !self.bounds().contains(p) {
             return 0.0;
         }
-        let mut column = 0.0;
-        let _ = self.majorants.walk(&ray.up_to(t), |enter, leave, cell| {
-            column += (leave - enter) * f64::from(cell.density);
-            ControlFlow::Continue(())
-        });
-        let sigma_t = self.per_density.sigma_t();
-        let transmittance = sigma_t.map(|sigma_t| (-sigma_t * column as f32).exp());
+        let transmittance = self.mean_transmittance(&ray.up_to(t));
         (channel_pmf(importance) * self.extinction(p) * transmittance).sum()
+    }
+
+    fn pmf_passing(&self, ray: &Ray, importance: S) -> f32 {
+        (channel_pmf(importance) * self.mean_transmittance(ray)).sum()
     }
 
     fn majorants(&self, ray: &Ray, mut visit: impl FnMut(Majorant) -> ControlFlow<()>) {

@@ -126,7 +126,7 @@ impl<S: Spectrum> Medium for Homogeneous<S> {
             0
         };
         let sigma_t = self.coefficients.sigma_t();
-        let t = exponential(sampler.next_1d()) / sigma_t.channel(channel);
+        let t = exponential(sampler) / sigma_t.channel(channel);
         // An extinction of 0 always passes (t is ∞, or NaN from 0/0), a tiny one may overflow.
         let collides = sigma_t.channel(channel) > 0.0 && t.min(f32::MAX) < ray.t_max;
         let (weight, collision) = if collides {
@@ -148,6 +148,12 @@ impl<S: Spectrum> Medium for Homogeneous<S> {
         }
         let transmittance = self.optical_depth(t).map(|tau| (-tau).exp());
         (channel_pmf(importance) * self.coefficients.sigma_t() * transmittance).sum()
+    }
+
+    #[inline]
+    fn pmf_passing(&self, ray: &Ray, importance: S) -> f32 {
+        let transmittance = self.optical_depth(ray.t_max).map(|tau| (-tau).exp());
+        (channel_pmf(importance) * transmittance).sum()
     }
 
     fn majorants(&self, ray: &Ray, mut visit: impl FnMut(Majorant) -> ControlFlow<()>) {

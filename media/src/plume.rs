@@ -25,7 +25,12 @@ const OCTAVES: u32 = 5;
 pub fn plume(resolution: [usize; 3], bounds: Aabb, seed: u32) -> Result<DenseGrid, MediumError> {
     let [nx, ny, nz] = resolution;
     let center = |i: usize, n: usize| (i as f32 + 0.5) / n as f32;
-    let mut values = Vec::with_capacity(nx * ny * nz);
+    // A resolution that memory cannot hold fails here, for want of values.
+    let voxels = nx.checked_mul(ny).and_then(|n| n.checked_mul(nz));
+    let mut values = Vec::new();
+    if voxels.is_none_or(|voxels| values.try_reserve_exact(voxels).is_err()) {
+        return DenseGrid::new(resolution, bounds, values);
+    }
     for z in 0..nz {
         for y in 0..ny {
             for x in 0..nx {

@@ -27,7 +27,7 @@ impl<S: Spectrum> GridMedium<S> {
             let rate = f64::from(cell.sigma_bar);
             let mut t = enter;
             loop {
-                let left = *depth.get_or_insert_with(|| f64::from(exponential(sampler.next_1d())));
+                let left = *depth.get_or_insert_with(|| f64::from(exponential(sampler)));
                 let next = t + left / rate;
                 if next >= leave {
                     depth = Some((left - rate * (leave - t)).max(0.0));

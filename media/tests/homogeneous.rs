@@ -48,6 +48,49 @@ fn distances_are_exponential() {
     kolmogorov_smirnov(&mut t, |t| -(-2.5 * t).exp_m1(), FALSE_ALARM).unwrap();
 }
 
+/// Light passes a ray of length s with probability Σ pmf·e^{−σt·s}.
+#[test]
+fn light_passes_as_often_as_it_says() {
+    let mut sampler = rng(3);
+    let passing = ray().up_to(0.7);
+    let coloured = chromatic();
+    let passed: Moments = (0..200_000)
+        .map(|_| coloured.sample_free_flight(&passing, IMPORTANCE, &mut sampler))
+        .map(|flight| f64::from(u8::from(flight.collision.is_none())))
+        .collect();
+    let pmf = [0.2, 1.0, 0.3].map(|x| x / 1.5);
+    let expected: f64 = (0..3).map(|c| pmf[c] * (-0.7 * SIGMA_T[c]).exp()).sum();
+    let stated = f64::from(coloured.pmf_passing(&passing, IMPORTANCE));
+    assert!(
+        (stated - expected).abs() < 1e-6,
+        "{stated} against {expected}"
+    );
+    check_means(&[("passing", passed.estimate(), expected)], FALSE_ALARM).unwrap();
+}
+
+/// Numbers of 24 bits alone would reach from 6e-8 to 16.6 mean free paths, and 0.
+#[test]
+fn the_shortest_and_the_longest_flights_are_finer_than_a_number() {
+    struct Script(std::vec::IntoIter<f32>);
+    impl Sampler for Script {
+        fn next_1d(&mut self) -> f32 {
+            self.0.next().unwrap()
+        }
+    }
+    let medium = medium(0.0, 1.0, 0.0);
+    let last = 1.0 - f32::EPSILON / 2.0;
+    for (numbers, expected) in [
+        (vec![0.0, 0.5], 2.0_f64.powi(-25)),
+        (vec![last, 0.5], 25.0 * 2.0_f64.ln()),
+        (vec![0.25], -(0.75_f64.ln())),
+    ] {
+        let mut script = Script(numbers.into_iter());
+        let flight = medium.sample_free_flight(&ray(), 1.0, &mut script);
+        let t = f64::from(flight.collision.unwrap().t);
+        assert!((t / expected - 1.0).abs() < 1e-6, "{t} for {expected}");
+    }
+}
+
 /// Distances follow Σ pmf·(1 − e^{−σt·t}), and `pdf_free_flight` is its derivative.
 #[test]
 fn distances_follow_the_mixture_of_channels() {

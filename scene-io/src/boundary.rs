@@ -3,12 +3,14 @@
 //! A *boundary* is a shape that light can enter. Where boundaries overlap, the one of highest
 //! priority holds; among equals the one with the smaller box, which is the inner one of two that
 //! are nested. The others are not there: their interfaces inside it are false, and light passes
-//! them unchanged (Schmidt & Budge 2002, "Simple Nested Dielectrics in Ray Traced Images").
+//! them unchanged (Schmidt & Budge 2002, "Simple Nested Dielectrics in Ray Traced Images"). One
+//! without an index of refraction fills the others of its priority and leaves their interfaces.
 //!
 //! A [`MediumId`] names a *state*: the set of boundaries around a point, and the medium that fills
 //! space outside all of them. All states and the steps between them are known at load, so that
 //! crossing a surface is one look into a table.
 
+use crate::material::nearly_equal;
 use std::collections::HashMap;
 use tyndall_core::{Aabb, MediumId};
 
@@ -184,23 +186,30 @@ impl Boundaries {
             return 1.0;
         };
         let members = (self.states.get(here.0 as usize)).map_or(&[][..], |s| &s.members);
-        let mut around = members.iter().rev().filter(|&&m| m != b).peekable();
-        if around.peek().is_some_and(|&&top| top > b) {
+        if members.iter().any(|&m| self.hides(m, b)) {
             return 1.0;
         }
+        let mut around = members.iter().rev().filter(|&&m| m != b);
         let outside = around.find_map(|&m| self.ranked[m as usize].ior);
         inside / outside.unwrap_or(1.0)
     }
 
+    /// Whether the surface of `b` is not there inside of `a`.
+    fn hides(&self, a: u32, b: u32) -> bool {
+        let [over, under] = [a, b].map(|i| &self.ranked[i as usize]);
+        a > b && (over.ior.is_some() || over.priority > under.priority)
+    }
+
     /// Whether light may pass the surface of `b` unchanged, in some state: it has no index of its
-    /// own, that of vacuum, that of another, or another outranks it.
+    /// own, (nearly) that of vacuum, that of another, or another outranks it.
     pub(crate) fn may_be_null(&self, b: u32) -> bool {
         let Some(ior) = self.ranked[b as usize].ior else {
             return true;
         };
         let mut others = self.all().filter(|&o| o != b && self.overlap(o, b));
-        let hidden = others.any(|o| o > b || self.ranked[o as usize].ior == Some(ior));
-        ior == 1.0 || hidden
+        let matches = |other: Option<f32>| other.is_some_and(|other| nearly_equal(ior / other));
+        let hidden = others.any(|o| self.hides(o, b) || matches(self.ranked[o as usize].ior));
+        nearly_equal(ior) || hidden
     }
 }
 
@@ -266,6 +275,30 @@ mod tests {
         assert_eq!(table.medium(in_ball), Some(1));
         assert_eq!(table.relative_ior(ball, in_fog), 1.5);
         assert!(!table.may_be_null(ball) && table.may_be_null(fog));
+    }
+
+    /// A small box of smoke half in a big block of glass.
+    #[test]
+    fn smoke_fills_glass_and_does_not_hide_it() {
+        let glass = boundary(0, 10.0, Some(1.5), 0);
+        let mut smoke = boundary(1, 1.0, None, 0);
+        smoke.bounds.min.x += 10.0;
+        smoke.bounds.max.x += 10.0;
+        let table = |smoke| Boundaries::new(vec![glass.clone(), smoke], None).unwrap();
+        let into_glass = |table: &Boundaries| {
+            let [glass, smoke] = [0, 1].map(|s| table.of_shape(s).unwrap());
+            let in_smoke = table.across(smoke, true, table.ambient());
+            let in_both = table.across(glass, true, in_smoke);
+            (table.relative_ior(glass, in_smoke), table.medium(in_both))
+        };
+        let tied = table(smoke.clone());
+        assert_eq!(into_glass(&tied), (1.5, Some(1)));
+        assert!(!tied.may_be_null(tied.of_shape(0).unwrap()));
+        let first = table(Boundary {
+            priority: 1,
+            ..smoke
+        });
+        assert_eq!(into_glass(&first), (1.0, Some(1)));
     }
 
     #[test]

@@ -79,11 +79,18 @@ impl Camera {
         Ray::new(origin, self.in_world(direction).normalize())
     }
 
+    /// Density per steradian of directions from a point of the lens: cos⁻³θ/A, A being the
+    /// picture's area at distance 1.
+    pub(crate) fn pdf_w(&self, direction: Vec3) -> f32 {
+        let cos = direction.dot(self.forward);
+        1.0 / (4.0 * self.half.x * self.half.y * cos * cos * cos)
+    }
+
     /// The connection of `from` to point `u` of the lens.
     ///
     /// A pixel is the mean of radiance over its area and the lens. Per steradian at the lens point
-    /// there are pixels·cos⁻³θ/A of them, A being the picture's area at distance 1: over d², that
-    /// is the importance of a connection of length d (Veach 1997, §8.2, for this sensor).
+    /// there are [`Camera::pdf_w`] times their number: over d², that is the importance of a
+    /// connection of length d (Veach 1997, §8.2, for this sensor).
     pub(crate) fn connect<S: Spectrum>(
         &self,
         from: Vec3,
@@ -109,7 +116,7 @@ impl Camera {
         ];
         let inside =
             raster[0] >= 0.0 && raster[0] < width && raster[1] >= 0.0 && raster[1] < height;
-        let pdf_w = 1.0 / (4.0 * self.half.x * self.half.y * cos * cos * cos);
+        let pdf_w = self.pdf_w(-wi);
         let weight = pdf_w * width * height / (distance * distance);
         (inside && weight.is_finite()).then(|| SensorConnection {
             raster,

@@ -195,7 +195,7 @@ impl<S: Spectrum> Media for Scene<S> {
 }
 
 impl<S: Spectrum> LightEmission for Scene<S> {
-    fn sample_emission(&self, u: [f32; 6]) -> Option<EmissionSample<S>> {
+    fn sample_emission(&self, u: [f32; 6]) -> Option<EmissionSample<S, Hit>> {
         (self.lights).sample_emission(u, &self.surfaces, |p| self.locate(p))
     }
 }
@@ -226,7 +226,11 @@ impl<S: Spectrum> Sensor for Scene<S> {
     }
 
     fn sensor_ray(&self, px: [u32; 2], u: [f32; 4]) -> SensorRay<S> {
-        SensorRay::new(self.camera.ray(px, u), self.camera_medium)
+        let ray = self.camera.ray(px, u);
+        SensorRay {
+            pdf_w: self.camera.pdf_w(ray.direction),
+            ..SensorRay::new(ray, self.camera_medium)
+        }
     }
 }
 

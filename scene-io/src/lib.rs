@@ -23,3 +23,4 @@ pub use image_out::{Metadata, RenderOutput, check_writable, write_exr, write_png
 pub use material::{fresnel_conductor, fresnel_dielectric};
 pub use scene::Scene;
 pub use tyndall_surface::Backend;
+pub use vol::{Volume, read_vol};

@@ -23,7 +23,8 @@ use choice::Choice;
 use glam::Vec3;
 use std::f32::consts::PI;
 use tyndall_core::{
-    Aabb, Anchor, DirectSample, EmissionPdf, EmissionSample, Frame, MediumId, Ray, Spectrum, warp,
+    Aabb, Anchor, DirectSample, EmissionPdf, EmissionSample, Frame, LightKind, MediumId, Ray,
+    Spectrum, warp,
 };
 use tyndall_surface::Surfaces;
 
@@ -81,6 +82,39 @@ impl World {
     }
 }
 
+/// How often each light is chosen: in proportion to its power among the lights of its kind, those at
+/// infinity and those in the scene, which share evenly. The power of light from infinity grows with
+/// the size of the world: by power alone, a large ground would hide every lamp.
+fn weights<S: Spectrum>(lights: &[Light<S>], world: World) -> Vec<f64> {
+    let powers: Vec<f64> = lights
+        .iter()
+        .map(|l| l.power(world).mean().into())
+        .collect();
+    let infinite = |light: &Light<S>| {
+        matches!(
+            light.source,
+            Source::Environment(_) | Source::Directional(_)
+        )
+    };
+    let total = |kind: bool| -> f64 {
+        let of_kind = lights
+            .iter()
+            .zip(&powers)
+            .filter(|(l, _)| infinite(l) == kind);
+        of_kind.map(|(_, power)| power).sum()
+    };
+    let totals = [total(false), total(true)];
+    let shares = lights.iter().zip(&powers);
+    shares
+        .map(
+            |(light, power)| match totals[usize::from(infinite(light))] {
+                0.0 => 0.0,
+                total => power / total,
+            },
+        )
+        .collect()
+}
+
 /// All lights of a scene.
 #[derive(Clone, Debug)]
 pub(crate) struct Lights<S> {
@@ -106,11 +140,10 @@ impl<S: Spectrum> Lights<S> {
                 first_of_shape[shape].get_or_insert(i);
             }
         }
-        let weights = lights.iter().map(|l| l.power(world).mean().into());
         let is_environment = |l: &Light<S>| matches!(l.source, Source::Environment(_));
         let environment = lights.iter().position(is_environment);
         Self {
-            choice: Choice::new(weights),
+            choice: Choice::new(weights(&lights, world).into_iter()),
             background: environment.map_or(S::default(), |i| lights[i].colour),
             environment,
             lights,
@@ -136,7 +169,7 @@ impl<S: Spectrum> Lights<S> {
         [u0, u1, u2, u3, u4, _]: [f32; 6],
         surfaces: &Surfaces,
         locate: impl Fn(Vec3) -> MediumId,
-    ) -> Option<EmissionSample<S>> {
+    ) -> Option<EmissionSample<S, Hit>> {
         let (i, pmf) = self.choice.sample(u0)?;
         let (world, ambient) = (self.world, self.ambient);
         let sample = match &self.lights[i].source {
@@ -148,6 +181,7 @@ impl<S: Spectrum> Lights<S> {
             Source::Environment(light) => light.sample_emission([u1, u2, u3, u4], world, ambient),
         };
         Some(EmissionSample {
+            source: sample.source,
             ray: sample.ray,
             flux: self.lights[i].colour * (sample.flux / pmf),
             pdf: chosen(sample.pdf, pmf),
@@ -164,31 +198,13 @@ impl<S: Spectrum> Lights<S> {
         surfaces: &Surfaces,
     ) -> Option<DirectSample<S, Hit>> {
         let (i, pmf) = self.choice.sample(u0)?;
-        let unhittable = |target, wi, weight| DirectSample {
-            target,
-            wi,
-            weight,
-            pdf_w: 0.0,
-        };
         let sample = match &self.lights[i].source {
-            Source::Point(light) => {
-                let (wi, irradiance) = light.arriving(from);
-                unhittable(Anchor::Point(light.position), wi, irradiance)
-            }
-            Source::Spot(light) => {
-                let (wi, irradiance) = light.arriving(from);
-                unhittable(Anchor::Point(light.position), wi, irradiance)
-            }
-            Source::Directional(light) => {
-                let wi = -light.direction;
-                unhittable(Anchor::Direction(wi), wi, 1.0)
-            }
-            Source::Beam(light) => {
-                let (foot, irradiance) = light.arriving(from)?;
-                unhittable(Anchor::Point(foot), -light.direction, irradiance)
-            }
+            Source::Point(light) => light.sample_direct(from),
+            Source::Spot(light) => light.sample_direct(from),
+            Source::Directional(light) => light.sample_direct(self.world),
+            Source::Beam(light) => light.sample_direct(from)?,
             Source::Area(light) => light.sample_direct(from, [u1, u2], surfaces)?,
-            Source::Environment(light) => light.sample_direct([u1, u2]),
+            Source::Environment(light) => light.sample_direct([u1, u2], self.world),
         };
         let weight = self.lights[i].colour * (sample.weight / pmf);
         (weight.is_finite() && !weight.is_black()).then_some(DirectSample {
@@ -196,6 +212,9 @@ impl<S: Spectrum> Lights<S> {
             wi: sample.wi,
             weight,
             pdf_w: sample.pdf_w * pmf,
+            emission: chosen(sample.emission, pmf),
+            cos_theta: sample.cos_theta,
+            kind: sample.kind,
         })
     }
 
@@ -234,7 +253,7 @@ impl<S: Spectrum> Lights<S> {
             Anchor::Surface(hit) => self.area_at(hit).map_or(0.0, |(area, pmf)| {
                 let surface = surfaces.surface(&hit.shape);
                 let (wi, distance) = (surface.position - from).normalize_and_length();
-                pmf * area.pdf_direct_w(wi, distance, surface.geometric_normal)
+                pmf * area.pdf_direct_w(distance, -wi.dot(surface.geometric_normal))
             }),
         }
     }
@@ -253,7 +272,7 @@ impl<S: Spectrum> Lights<S> {
             }),
             Anchor::Surface(hit) => self.area_at(hit).map(|(area, pmf)| {
                 let normal = surfaces.surface(&hit.shape).geometric_normal;
-                chosen(area.pdf_emission(direction, normal), pmf)
+                chosen(area.pdf_emission(direction.dot(normal)), pmf)
             }),
         };
         pdf.unwrap_or_default()
@@ -301,6 +320,25 @@ impl Source {
             Self::Beam(light) => light.medium = locate(light.position),
             Self::Directional(_) | Self::Area(_) | Self::Environment(_) => {}
         }
+    }
+}
+
+/// Light of this `irradiance` that no ray finds by chance.
+fn unhittable(
+    kind: LightKind,
+    target: Anchor<Hit>,
+    wi: Vec3,
+    irradiance: f32,
+    emission: EmissionPdf,
+) -> DirectSample<f32, Hit> {
+    DirectSample {
+        target,
+        wi,
+        weight: irradiance,
+        pdf_w: 0.0,
+        emission,
+        cos_theta: 1.0,
+        kind,
     }
 }
 

@@ -94,9 +94,8 @@ impl<S: Spectrum> Bsdf<S> {
     pub(crate) fn kind(&self, eta: f32) -> SurfaceKind {
         match self {
             Self::Null => SurfaceKind::Null,
-            Self::Dielectric { .. } | Self::RoughDielectric { .. } if eta == 1.0 => {
-                SurfaceKind::Null
-            }
+            Self::Dielectric { .. } if eta == 1.0 => SurfaceKind::Null,
+            Self::RoughDielectric { .. } if nearly_equal(eta) => SurfaceKind::Null,
             Self::Mirror(_) | Self::Dielectric { .. } | Self::Conductor { .. } => {
                 SurfaceKind::Delta
             }
@@ -108,7 +107,7 @@ impl<S: Spectrum> Bsdf<S> {
     pub(crate) fn eval(&self, wo: Vec3, wi: Vec3, eta: f32, from: PathFrom) -> S {
         match *self {
             Self::Diffuse(reflectance) if same_side(wo, wi) => reflectance * FRAC_1_PI,
-            Self::RoughDielectric { alpha, .. } if eta != 1.0 => {
+            Self::RoughDielectric { alpha, .. } if !nearly_equal(eta) => {
                 S::splat(rough_dielectric::eval(wo, wi, eta, alpha, from))
             }
             Self::RoughConductor { eta, k, alpha } => conductor::eval(wo, wi, eta, k, alpha),
@@ -120,7 +119,7 @@ impl<S: Spectrum> Bsdf<S> {
     pub(crate) fn pdf_w(&self, wo: Vec3, wi: Vec3, eta: f32) -> f32 {
         match *self {
             Self::Diffuse(_) if same_side(wo, wi) => warp::cosine_hemisphere_pdf_w(wi.z.abs()),
-            Self::RoughDielectric { alpha, .. } if eta != 1.0 => {
+            Self::RoughDielectric { alpha, .. } if !nearly_equal(eta) => {
                 rough_dielectric::pdf_w(wo, wi, eta, alpha)
             }
             Self::RoughConductor { alpha, .. } => conductor::pdf_w(wo, wi, alpha),
@@ -162,6 +161,12 @@ impl<S: Spectrum> Bsdf<S> {
             Self::RoughConductor { eta, k, alpha } => conductor::sample(wo, u, eta, k, alpha),
         }
     }
+}
+
+/// Whether a relative index is so near to 1 that rough glass is not there: its facets would bend
+/// light by less than `f32` tells from straight, and lose energy.
+pub(crate) fn nearly_equal(eta: f32) -> bool {
+    (eta - 1.0).abs() <= 1e-3
 }
 
 fn same_side(wo: Vec3, wi: Vec3) -> bool {

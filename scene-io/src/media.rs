@@ -2,7 +2,7 @@
 
 use crate::spectrum::{convert, is_grey};
 use tyndall_core::{Coefficients, Rgb, Spectrum};
-use tyndall_media::{AnyMedium, DenseGrid, GridMedium, Homogeneous, MediumError, Phase};
+use tyndall_media::{AnyMedium, DenseGrid, GridMedium, Homogeneous, MediumError, Phase, Tracking};
 
 /// What fills a region.
 #[derive(Clone, Debug)]
@@ -20,6 +20,8 @@ pub(crate) struct Grid {
     pub(crate) density: DenseGrid,
     pub(crate) albedo: Option<DenseGrid<Rgb>>,
     pub(crate) emission: Option<DenseGrid<Rgb>>,
+    /// How transmittance is found.
+    pub(crate) tracking: Tracking,
 }
 
 impl MediumDescription {
@@ -44,6 +46,14 @@ impl MediumDescription {
             && (self.grid.iter()).all(|g| grid_is_grey(&g.albedo) && grid_is_grey(&g.emission))
     }
 
+    /// Whether its radiance grows without bound along a ray that never leaves it.
+    pub(crate) fn glows_without_end(&self) -> bool {
+        let c = &self.coefficients;
+        let unabsorbed =
+            (c.emission).zip(c.sigma_t(), |e, sigma| if sigma > 0.0 { 0.0 } else { e });
+        self.grid.is_none() && !unabsorbed.is_black()
+    }
+
     /// The medium itself.
     pub(crate) fn build<S: Spectrum>(&self) -> Result<AnyMedium<S>, MediumError> {
         let coefficients = Coefficients {
@@ -55,7 +65,8 @@ impl MediumDescription {
         let Some(grid) = &self.grid else {
             return Homogeneous::new(coefficients, phase).map(AnyMedium::Homogeneous);
         };
-        let mut medium = GridMedium::new(grid.density.clone(), coefficients, phase)?;
+        let mut medium = GridMedium::new(grid.density.clone(), coefficients, phase)?
+            .with_tracking(grid.tracking);
         if let Some(albedo) = &grid.albedo {
             medium = medium.with_albedo(albedo.map(convert)?)?;
         }

@@ -55,6 +55,7 @@ pub(crate) fn read(path: &Path) -> Result<Obj, Error> {
         let group: &mut Group = groups.entry(name.unwrap_or_default()).or_default();
         group.append(&model.mesh).map_err(problem)?;
     }
+    groups.retain(|_, group| !group.triangles.is_empty());
     if groups.is_empty() {
         return Err(problem(
             "has no faces: export the mesh, not only its curves".into(),

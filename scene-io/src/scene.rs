@@ -114,7 +114,16 @@ fn boundaries(file: &SceneFile, surfaces: &Surfaces) -> Result<Boundaries, Error
     };
     let around = boundaries_around(file.camera.position(), surfaces, &table);
     if around.is_empty() {
-        return build(*named);
+        let glows = named.is_some_and(|m| file.media[m].glows_without_end());
+        return if glows {
+            Err(camera_medium_error(
+                place,
+                "glows and does not absorb (in some channel), and fills unbounded space, which \
+                 would be infinitely bright: give it `sigma_a`, or put it into a shape",
+            ))
+        } else {
+            build(*named)
+        };
     }
     let found = table.medium(table.state(&around));
     if found == *named {
@@ -125,14 +134,21 @@ fn boundaries(file: &SceneFile, surfaces: &Surfaces) -> Result<Boundaries, Error
 
 fn contradiction(file: &SceneFile, place: &Place, named: MediumName, found: MediumName) -> Error {
     let name = |medium: MediumName| medium.map_or("vacuum", |m| &file.media_names[m]).to_owned();
-    Error::Scene {
-        place: place.clone(),
-        field: "camera.medium".into(),
-        problem: format!(
+    camera_medium_error(
+        place,
+        format!(
             "is {:?}, but the camera is inside a shape filled with {:?}: remove the key",
             name(named),
             name(found)
         ),
+    )
+}
+
+fn camera_medium_error(place: &Place, problem: impl Into<String>) -> Error {
+    Error::Scene {
+        place: place.clone(),
+        field: "camera.medium".into(),
+        problem: problem.into(),
     }
 }
 

@@ -2,42 +2,62 @@
 
 use crate::Error;
 use glam::DVec3;
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 
 /// The contents of a `.vol` file.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Voxels {
+#[non_exhaustive]
+pub struct Volume {
     /// Voxels in each axis.
-    pub(crate) resolution: [usize; 3],
+    pub resolution: [usize; 3],
     /// Values a voxel.
-    pub(crate) channels: usize,
+    pub channels: usize,
     /// The box that the file names: smallest and largest corner.
-    pub(crate) bounds: [DVec3; 2],
+    pub bounds: [DVec3; 2],
     /// x fastest, then y, then z; the channels of a voxel together.
-    pub(crate) values: Vec<f32>,
+    pub values: Vec<f32>,
 }
 
 const HEADER: usize = 48;
 
-/// Reads a `.vol` file: `VOL`, version 3, then little-endian: encoding 1 (`float32`), resolution
-/// in x, y and z, channels (five `i32`), the box (six `f32`), the values.
+/// Reads a `.vol` file of Mitsuba 3: `VOL`, version 3, then little-endian: encoding 1 (`float32`),
+/// resolution in x, y and z, channels (five `i32`), the box (six `f32`), the values.
+///
+/// With one channel, `resolution` and `values` are what `DenseGrid::new` of `tyndall-media` takes.
 ///
 /// Source: documentation of `gridvolume`, Mitsuba 3.
-pub(crate) fn read(path: &Path) -> Result<Voxels, Error> {
-    let bytes = std::fs::read(path).map_err(|source| Error::Read {
+///
+/// # Errors
+/// [`Error::Read`] if the file cannot be read, [`Error::Build`] if it is not such a file.
+pub fn read_vol(path: &Path) -> Result<Volume, Error> {
+    let unreadable = |source| Error::Read {
         path: path.to_owned(),
         source,
-    })?;
-    parse(&bytes).map_err(|problem| Error::Build {
+    };
+    let wrong = |problem| Error::Build {
         path: path.to_owned(),
         problem,
-    })
+    };
+    let mut file = File::open(path).map_err(unreadable)?;
+    let length = file.metadata().map_err(unreadable)?.len();
+    let Some(length) = length.checked_sub(HEADER as u64) else {
+        return Err(wrong(format!("{length} bytes are no .vol file")));
+    };
+    let mut header = [0; HEADER];
+    file.read_exact(&mut header).map_err(unreadable)?;
+    let (mut volume, size) = parse(&header, length).map_err(wrong)?;
+    let mut bytes = vec![0; size];
+    file.read_exact(&mut bytes).map_err(unreadable)?;
+    volume.values = (bytes.chunks_exact(4))
+        .map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]))
+        .collect();
+    Ok(volume)
 }
 
-fn parse(bytes: &[u8]) -> Result<Voxels, String> {
-    let Some((header, data)) = bytes.split_at_checked(HEADER) else {
-        return Err(format!("{} bytes are no .vol file", bytes.len()));
-    };
+/// What a header says of the `length` bytes after it, which are not read yet, and their number.
+fn parse(header: &[u8; HEADER], length: u64) -> Result<(Volume, usize), String> {
     if &header[..3] != b"VOL" || header[3] != 3 {
         return Err("no .vol file of version 3: write it with Mitsuba 3".into());
     }
@@ -52,32 +72,30 @@ fn parse(bytes: &[u8]) -> Result<Voxels, String> {
         ));
     }
     let counts = [1, 2, 3, 4].map(|i| usize::try_from(i32::from_le_bytes(word(i))).unwrap_or(0));
-    let total = counts.iter().try_fold(1_usize, |n, &m| n.checked_mul(m));
-    let values: Vec<f32> = (data.chunks_exact(4))
-        .map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]))
-        .collect();
+    let size = counts.iter().try_fold(4_usize, |n, &m| n.checked_mul(m));
     let [x, y, z, channels] = counts;
-    if total.is_none_or(|n| n == 0 || n * 4 != data.len()) {
-        let found = data.len();
+    let Some(size) = size.filter(|&n| n > 0 && n as u64 == length) else {
         return Err(format!(
-            "the header promises {x} × {y} × {z} voxels of {channels} floats, {found} bytes follow: the file is cut off or not a .vol file"
+            "the header promises {x} × {y} × {z} voxels of {channels} floats, {length} bytes follow: the file is cut off or not a .vol file"
         ));
-    }
+    };
     let corner = |i| f64::from(f32::from_le_bytes(word(i)));
-    Ok(Voxels {
+    let volume = Volume {
         resolution: [x, y, z],
         channels,
         bounds: [
             DVec3::new(corner(5), corner(6), corner(7)),
             DVec3::new(corner(8), corner(9), corner(10)),
         ],
-        values,
-    })
+        values: Vec::new(),
+    };
+    Ok((volume, size))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::io::Write;
 
     /// A file as Mitsuba writes it.
     fn file(resolution: [i32; 3], channels: i32, values: &[f32]) -> Vec<u8> {
@@ -91,10 +109,16 @@ mod tests {
         bytes
     }
 
+    fn read(bytes: &[u8]) -> Result<Volume, String> {
+        let mut file = tempfile::NamedTempFile::new().unwrap();
+        file.write_all(bytes).unwrap();
+        read_vol(file.path()).map_err(|e| e.to_string())
+    }
+
     #[test]
     fn reads_what_mitsuba_writes() {
         let values: Vec<_> = (0..24).map(|i| i as f32).collect();
-        let voxels = parse(&file([4, 3, 2], 1, &values)).unwrap();
+        let voxels = read(&file([4, 3, 2], 1, &values)).unwrap();
         assert_eq!(voxels.resolution, [4, 3, 2]);
         assert_eq!(voxels.bounds[1], DVec3::new(1.0, 2.0, 3.0));
         assert_eq!(voxels.values, values);
@@ -103,18 +127,21 @@ mod tests {
     #[test]
     fn broken_files_are_errors() {
         let good = file([2, 2, 2], 3, &[0.5; 24]);
-        assert!(parse(&good).is_ok());
+        assert!(read(&good).is_ok());
         assert!(
-            parse(&good[..good.len() - 1])
+            read(&good[..good.len() - 1])
                 .unwrap_err()
                 .contains("cut off")
         );
-        assert!(parse(&good[..20]).is_err());
-        assert!(parse(b"PK").is_err());
+        assert!(read(&good[..20]).is_err());
+        assert!(read(b"PK").is_err());
         for (byte, value) in [(0, b'W'), (3, 2), (4, 2), (8, 0), (11, 0x80)] {
             let mut bad = good.clone();
             bad[byte] = value;
-            assert!(parse(&bad).is_err(), "byte {byte}");
+            assert!(read(&bad).is_err(), "byte {byte}");
         }
+        // 2⁶² floats: their bytes are 2⁶⁴, which is 0 in 64 bits.
+        let huge = file([1 << 16, 1 << 16, 1 << 15], 1 << 15, &[]);
+        assert!(read(&huge).unwrap_err().contains("cut off"));
     }
 }

@@ -174,6 +174,32 @@ host_conformance! {
     power: 2.0 * PI * (2.0_f32.sqrt() * 1.001).powi(2),
 }
 
+/// An empty scene seen by this camera.
+fn camera(text: &str) -> Scene<f32> {
+    let text = format!(
+        "
+        [film]
+        width = 16
+        height = 12
+        [camera]
+        position = [1, 2, 3]
+        look_at = [0, 0, 0]
+        fov = 60
+        {text}"
+    );
+    let file = SceneFile::parse(&text, Path::new("camera.toml"), &[]);
+    file.and_then(|f| f.build())
+        .unwrap_or_else(|e| panic!("{e}"))
+}
+
+host_conformance! { name: pinhole, host: camera(""), checks: [sensor, importance] }
+
+host_conformance! {
+    name: thin_lens,
+    host: camera("kind = 'thin_lens'\nlens_radius = 0.3\nfocus_distance = 2"),
+    checks: [sensor, importance],
+}
+
 /// A roof of two triangles whose smooth normals lean away from the flat ones.
 const ROOF: &str = "
 v -1 -1 0

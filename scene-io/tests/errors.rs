@@ -182,6 +182,18 @@ const BAD: &[(&str, &str, &str, &str)] = &[
         "media.smoke.plume.resolution",
         "from 2",
     ),
+    (
+        "plume = { resolution = 8 }",
+        "plume = { resolution = 513 }",
+        "media.smoke.plume.resolution",
+        "to 512",
+    ),
+    (
+        "scale = 3",
+        "scale = 3\ntransmittance = 'regulr'",
+        "media.smoke.transmittance",
+        "did you mean \"regular\"?",
+    ),
     ("max = [1, 1, 1]", "", "media.smoke.min", "add the other"),
     (
         "max = [1, 1, 1]",
@@ -226,6 +238,18 @@ const BAD: &[(&str, &str, &str, &str)] = &[
         "from 0.001 to 1",
     ),
     (
+        "reflectance = 0.5",
+        "reflectance = 0.5\n[materials.gold]\nkind = 'conductor'\nk = 3\neta = 1e20",
+        "materials.gold.eta",
+        "between 1e-6 and 1000",
+    ),
+    (
+        "reflectance = 0.5",
+        "reflectance = 0.5\n[materials.gold]\nkind = 'conductor'\neta = 1\nk = [0, 0, 1e20]",
+        "materials.gold.k",
+        "between 0 and 1000",
+    ),
+    (
         "inside = 'smoke'",
         "inside = 'smok'",
         "materials.glass.inside",
@@ -256,6 +280,12 @@ const BAD: &[(&str, &str, &str, &str)] = &[
         "",
         "shapes.0",
         "`material` is missing",
+    ),
+    (
+        "material = 'wall'",
+        "material = 'glass'",
+        "shapes.1.material",
+        "must be closed, which a quad is not: use a box",
     ),
     (
         "edge_v = [0, 1, 0]",
@@ -345,6 +375,16 @@ fn all_unknown_keys_of_a_table_are_named() {
     assert_eq!(lines.len(), 2, "{message}");
     assert!(lines[0].starts_with("dir/scene.toml:10:1") && lines[0].contains("max_deph"));
     assert!(lines[1].starts_with("dir/scene.toml:11:1") && lines[1].contains("foo"));
+}
+
+#[test]
+fn a_picture_too_large_is_named() {
+    let large = |width| message(GOOD, &[("film.width", "65536"), ("film.height", width)]);
+    let why = large("4097");
+    assert!(
+        why.contains("`film`: has more than 268435456 pixels"),
+        "{why}"
+    );
 }
 
 #[test]

@@ -6,7 +6,7 @@ use tyndall_core::{
     Anchor, EmissionSample, Geometry, LightDirect, LightEmission, LightKind, Ray, Rgb, Sampler,
     Spectrum,
 };
-use tyndall_scene_io::{Scene, SceneFile};
+use tyndall_scene_io::{Hit, Scene, SceneFile};
 use tyndall_testkit::rng;
 use tyndall_testkit::stats::chi2_sphere;
 
@@ -45,7 +45,7 @@ const LIGHTS: [&str; 6] = [
 ];
 
 /// Irradiance on a plane that faces the light, at distance `t` along an emitted ray.
-fn arriving(emission: &EmissionSample<Rgb>, t: f32) -> Rgb {
+fn arriving(emission: &EmissionSample<Rgb, Hit>, t: f32) -> Rgb {
     match emission.kind {
         LightKind::Point => emission.flux * (emission.pdf.pdf_w / (t * t)),
         _ => emission.flux * emission.pdf.pdf_a,
@@ -163,4 +163,29 @@ fn a_lamp_is_sampled_at_its_pivot() {
                 < 1e-3
         );
     }
+}
+
+#[test]
+fn a_lamp_is_found_under_a_sky_over_a_wide_ground() {
+    let wide = "
+        [[shapes]]
+        kind = 'quad'
+        corner = [-1e4, -4, -1e4]
+        edge_u = [0, 0, 2e4]
+        edge_v = [2e4, 0, 0]
+        material = 'wall'
+        [[lights]]
+        kind = 'point'
+        position = [0, 2, 0]
+        power = 100
+        [environment]
+        radiance = 0.001";
+    let scene = scene(wide);
+    let mut sampler = rng(1);
+    let lamps = (0..1_000)
+        .filter_map(|_| scene.sample_direct(Vec3::ZERO, sampler.next()))
+        .filter(|direct| direct.kind == LightKind::Point)
+        .count();
+    // Half of them, within six standard errors: a false alarm of 2e-9.
+    assert!((405..=595).contains(&lamps), "{lamps}");
 }

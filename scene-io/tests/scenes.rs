@@ -4,12 +4,10 @@ use glam::{DVec3, Vec3};
 use std::fs;
 use std::path::Path;
 use tyndall_core::{
-    Anchor, Geometry, LightEmission, Media, Medium, MediumId, PathFrom, Ray, Rgb, Sampler, Sensor,
-    SensorImportance, Shading, Spectrum, SurfaceKind,
+    Anchor, Geometry, LightEmission, Media, Medium, MediumId, PathFrom, Ray, Rgb, Sensor, Shading,
+    Spectrum, SurfaceKind,
 };
 use tyndall_scene_io::{Hit, Scene, SceneFile};
-use tyndall_testkit::rng;
-use tyndall_testkit::stats::{Moments, assert_mean, chi2_sphere};
 
 const HEAD: &str = "
     [film]
@@ -403,83 +401,6 @@ fn grids_are_read_from_vol_files() {
     assert_eq!(at(-0.5).sigma_s, Rgb::new(1.0, 0.5, 0.0));
     assert_eq!(at(-0.5).sigma_a, Rgb::new(1.0, 1.5, 2.0));
     assert_eq!(at(0.5).sigma_s, Rgb::new(6.0, 4.5, 3.0));
-}
-
-fn camera(text: &str) -> Scene<f32> {
-    let head = HEAD.replace("[0, 0, 5]", "[1, 2, 3]");
-    let file = SceneFile::parse(&format!("{head}{text}"), Path::new("x.toml"), &[]);
-    file.unwrap().build().unwrap()
-}
-
-/// False alarm 1e-6.
-#[test]
-fn the_importance_of_a_pinhole_is_the_density_of_its_rays() {
-    let scene = camera("");
-    let origin = scene.sensor_ray([0, 0], [0.0; 4]).ray.origin;
-    chi2_sphere(
-        |u| {
-            let px = [(16.0 * u[0]) as u32, (12.0 * u[1]) as u32];
-            let within = [(16.0 * u[0]).fract(), (12.0 * u[1]).fract(), 0.0, 0.0];
-            Some(scene.sensor_ray(px, within).ray.direction)
-        },
-        |w| {
-            let connection = scene.connect_sensor(origin + 10.0 * w, [0.5, 0.5]);
-            connection.map_or(0.0, |c| c.pdf_w)
-        },
-        200_000,
-        1e-6,
-    )
-    .unwrap();
-}
-
-/// A plane of unit radiance, traced to the sensor, gives every pixel 1; so does the sensor itself.
-/// False alarm 1e-6 for each camera.
-#[test]
-fn light_traced_to_the_sensor_makes_the_same_image() {
-    for lens in [
-        "",
-        "kind = 'thin_lens'\nlens_radius = 0.3\nfocus_distance = 2",
-    ] {
-        let scene = camera(lens);
-        let mut sampler = rng(5);
-        let half = 8.0;
-        let mut pixels = Moments::new();
-        for _ in 0..400_000 {
-            let [x, y, a, b]: [f32; 4] = sampler.next();
-            let p = half * Vec3::new(2.0 * x - 1.0, 2.0 * y - 1.0, 0.0);
-            let connection = scene.connect_sensor(p, [a, b]);
-            let sent = connection.map_or(0.0, |c| c.weight * c.wi.z * 4.0 * half * half);
-            pixels.push(f64::from(sent));
-        }
-        assert_mean("sum of pixels", pixels.estimate(), 16.0 * 12.0, 1e-6);
-    }
-}
-
-#[test]
-fn a_connection_finds_the_pixel_of_its_ray() {
-    for lens in [
-        "",
-        "kind = 'thin_lens'\nlens_radius = 0.3\nfocus_distance = 2",
-    ] {
-        let scene = camera(lens);
-        let mut sampler = rng(6);
-        for _ in 0..1000 {
-            let u: [f32; 4] = sampler.next();
-            let px = [
-                (16.0 * sampler.next_1d()) as u32,
-                (12.0 * sampler.next_1d()) as u32,
-            ];
-            let ray = scene.sensor_ray(px, u).ray;
-            let distance = 0.5 + 10.0 * sampler.next_1d();
-            let Some(c) = scene.connect_sensor(ray.at(distance), [u[2], u[3]]) else {
-                continue; // rounding at the rim of the film
-            };
-            let off = [0, 1].map(|i| (c.raster[i] - px[i] as f32 - u[i]).abs());
-            assert!(off[0] < 1e-3 && off[1] < 1e-3, "{off:?}");
-            assert!((c.wi + ray.direction).length() < 1e-4);
-            assert!((c.distance - distance).abs() < 1e-4 * distance);
-        }
-    }
 }
 
 /// The candle, whose camera, media and light are in its `.aux`; skipped where it is not.

@@ -1,7 +1,7 @@
 //! What the passes of a render add up to.
 
 use std::marker::PhantomData;
-use tyndall_core::{Spectrum, Tile};
+use tyndall_core::{Spectrum, Splat, Tile};
 
 /// The mean of the passes and its variance, per pixel and channel, in `f64`.
 ///
@@ -64,37 +64,80 @@ impl<S: Spectrum> Film<S> {
     }
 
     /// Root mean square over pixels and channels of the standard error, over the mean radiance of
-    /// the image. Infinite for a black image or a single pass.
+    /// the image. 0 where nothing varies (a black image); infinite for a single pass.
     pub fn relative_error(&self) -> f64 {
         let values = self.mean.len() as f64;
         let mean = self.mean.iter().sum::<f64>() / values;
         let variance = self.variance_of_mean().sum::<f64>() / values;
-        if mean > 0.0 {
+        if variance > 0.0 {
             variance.sqrt() / mean
         } else {
-            f64::INFINITY
+            0.0
         }
     }
 
-    /// Adds one pass, given as tiles that cover the film once.
-    pub(crate) fn add_pass<'t>(&mut self, tiles: impl Iterator<Item = (Tile, &'t [S])>)
-    where
+    /// What the splats of a pass add to each value of the film, summed in `f64`; nothing where
+    /// there are none. One beside the film is dropped.
+    fn gather_splats(&mut self, splats: &[Splat<S>]) -> Vec<f64> {
+        let mut sums = vec![
+            0.0;
+            if splats.is_empty() {
+                0
+            } else {
+                self.mean.len()
+            }
+        ];
+        let [width, height] = self.resolution.map(|side| side as f32);
+        for Splat { raster, value } in splats {
+            let [x, y] = *raster;
+            if !(x >= 0.0 && y >= 0.0 && x < width && y < height) {
+                continue;
+            }
+            if !value.is_finite() {
+                self.non_finite += 1;
+                continue;
+            }
+            // A width beyond 2²⁴ rounds: the last column takes what falls on it.
+            let [x, y] = [
+                (x as u32).min(self.resolution[0] - 1),
+                (y as u32).min(self.resolution[1] - 1),
+            ];
+            let pixel = self.pixel([x, y]);
+            for channel in 0..S::CHANNELS {
+                sums[pixel * S::CHANNELS + channel] += f64::from(value.channel(channel));
+            }
+        }
+        sums
+    }
+
+    fn pixel(&self, [x, y]: [u32; 2]) -> usize {
+        y as usize * self.resolution[0] as usize + x as usize
+    }
+
+    /// Adds one pass, given as tiles that cover the film once, and its splats.
+    pub(crate) fn add_pass<'t>(
+        &mut self,
+        tiles: impl Iterator<Item = (Tile, &'t [S])>,
+        splats: &[Splat<S>],
+    ) where
         S: 't,
     {
+        let splats = self.gather_splats(splats);
         self.passes += 1;
         let n = self.passes as f64;
         for (tile, radiance) in tiles {
-            for ([x, y], value) in tile.pixels().zip(radiance) {
+            for (px, value) in tile.pixels().zip(radiance) {
                 let value = if value.is_finite() {
                     *value
                 } else {
                     self.non_finite += 1;
                     S::default()
                 };
-                let pixel = y as usize * self.resolution[0] as usize + x as usize;
+                let pixel = self.pixel(px);
                 for channel in 0..S::CHANNELS {
                     let i = pixel * S::CHANNELS + channel;
-                    let value = f64::from(value.channel(channel));
+                    let splatted = splats.get(i).unwrap_or(&0.0);
+                    let value = f64::from(value.channel(channel)) + splatted;
                     let delta = value - self.mean[i];
                     self.mean[i] += delta / n;
                     self.deviations[i] += delta * (value - self.mean[i]);

@@ -4,9 +4,7 @@ use crate::{Budget, Film, PassStreams};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
-use tyndall_core::{
-    AnyIntegrator, AnyPixels, HostTypes, PassContext, PassError, Sensor, Spectrum, Splat, Tile,
-};
+use tyndall_core::{AnyIntegrator, AnyPixels, HostTypes, PassContext, PassError, Sensor, Tile};
 
 /// Side of a square tile, in pixels.
 const TILE: u32 = 16;
@@ -44,7 +42,10 @@ pub enum RenderError {
         "the budget is zero or not a number: ask for at least one pass, some time, or a positive error"
     )]
     EmptyBudget,
-    /// The integrator gave up. A cancelled render with a finished pass is no error.
+    /// Nothing was finished. A cancelled render with a finished pass is no error.
+    #[error("cancelled before the first pass was prepared: there is no image")]
+    Cancelled,
+    /// The integrator gave up.
     #[error("the integrator could not prepare a pass: {0}")]
     Pass(#[from] PassError),
 }
@@ -111,6 +112,7 @@ impl<'a, H: Sensor> Render<'a, H> {
             let cx = PassContext::new(pass, &streams, self.cancelled);
             let prepared = match self.integrator.begin_any(self.host, &cx, previous.take()) {
                 Err(PassError::Cancelled) if pass > 0 => return Ok(film),
+                Err(PassError::Cancelled) => return Err(RenderError::Cancelled),
                 prepared => prepared?,
             };
             places.par_iter_mut().for_each(|place| {
@@ -128,10 +130,10 @@ impl<'a, H: Sensor> Render<'a, H> {
             if self.stops(pass) {
                 return Ok(film);
             }
-            for splat in self.integrator.splats_any(&prepared) {
-                add_splat(&mut places, resolution, splat);
-            }
-            film.add_pass(places.iter().map(|p| (p.tile, p.radiance.as_slice())));
+            film.add_pass(
+                places.iter().map(|p| (p.tile, p.radiance.as_slice())),
+                self.integrator.splats_any(&prepared),
+            );
             previous = Some(prepared);
             let elapsed = start.elapsed();
             let spent = budget.spent(&film, elapsed);
@@ -167,21 +169,4 @@ impl<'a, H: Sensor> Render<'a, H> {
             })
             .collect()
     }
-}
-
-/// Adds a splat to the tile that holds it; one beside the film is dropped.
-fn add_splat<S: Spectrum>(
-    places: &mut [Workplace<S>],
-    [width, height]: [u32; 2],
-    splat: &Splat<S>,
-) {
-    let [x, y] = splat.raster;
-    if !(x >= 0.0 && y >= 0.0 && x < width as f32 && y < height as f32) {
-        return;
-    }
-    let (x, y) = ((x as u32).min(width - 1), (y as u32).min(height - 1));
-    let tile = (y / TILE * width.div_ceil(TILE) + x / TILE) as usize;
-    let place = &mut places[tile];
-    let [dx, dy] = [x - place.tile.min[0], y - place.tile.min[1]];
-    place.radiance[(dy * place.tile.size[0] + dx) as usize] += splat.value;
 }

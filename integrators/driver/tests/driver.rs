@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use tyndall_core::{
     Domain, HostTypes, Integrator, MediumId, PassContext, PassError, Ray, Rgb, Sampler, Sensor,
-    SensorRay, Splat, Streams, Vacuum,
+    SensorRay, Spectrum, Splat, Streams, Vacuum,
 };
 use tyndall_driver::{Budget, Film, PassStreams, Render, RenderError};
 use tyndall_testkit::stats::{kolmogorov_smirnov, sidak};
@@ -30,6 +30,7 @@ impl Sensor for Blank {
             ray: Ray::new(Vec3::ZERO, Vec3::Z),
             weight: Rgb::new(1.0, 2.0, 0.5),
             medium: MediumId::VACUUM,
+            pdf_w: 0.0,
         }
     }
 }
@@ -80,6 +81,34 @@ impl Integrator<Blank> for Noise {
 
     fn splats<'p>(&self, pass: &'p Self::Pass) -> &'p [Splat<Rgb>] {
         &pass.1
+    }
+}
+
+/// No light at all.
+struct Black;
+
+impl Integrator<Blank> for Black {
+    type Pass = ();
+    type Pixel = ();
+
+    fn begin_pass<R: Streams>(
+        &self,
+        _: &Blank,
+        _: &PassContext<'_, R>,
+        _: Option<()>,
+    ) -> Result<(), PassError> {
+        Ok(())
+    }
+
+    fn estimate(
+        &self,
+        _: &Blank,
+        (): &(),
+        (): &mut (),
+        _: &SensorRay<Rgb>,
+        _: &mut impl Sampler,
+    ) -> Rgb {
+        Rgb::default()
     }
 }
 
@@ -147,6 +176,10 @@ fn splats_land_in_their_pixels_and_beside_the_film_nowhere() {
             at(37.0, 0.0),
             at(-0.1, 3.0),
             at(f32::NAN, 3.0),
+            Splat {
+                raster: [5.0, 5.0],
+                value: Rgb::splat(f32::INFINITY),
+            },
         ],
         ..Noise::default()
     };
@@ -155,6 +188,7 @@ fn splats_land_in_their_pixels_and_beside_the_film_nowhere() {
         .filter(|i| film.mean()[3 * i] >= 100.0)
         .collect();
     assert_eq!(hit, HashSet::from([0, 36, 17 * 37 + 20, 40 * 37 + 36]));
+    assert_eq!(film.non_finite(), 3, "one splat in each of three passes");
 }
 
 #[test]
@@ -178,6 +212,14 @@ fn budgets_are_kept() {
     let start = std::time::Instant::now();
     run(&host, &noise, Budget::Time(Duration::from_millis(20))).expect("a film");
     assert!(start.elapsed() >= Duration::from_millis(20));
+    let black = Render::new(&host, &Black)
+        .run(Budget::RelativeError(0.1), |_| {})
+        .expect("a film");
+    assert_eq!(
+        black.passes(),
+        Budget::FEWEST_FOR_ERROR,
+        "an image without light ends"
+    );
     for nothing in [
         Budget::Passes(0),
         Budget::Time(Duration::ZERO),

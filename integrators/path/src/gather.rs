@@ -8,7 +8,7 @@ use tyndall_core::{
     Ray, Sampler, Shading, Spectrum, SurfaceKind,
 };
 use tyndall_walk::equiangular::Equiangular;
-use tyndall_walk::{Connection, Scattered, Segment, Site, Vertex};
+use tyndall_walk::{Connection, Segment, Site, Vertex};
 
 /// One segment in a medium with the light point that both of its distance samplings share:
 /// conditional on that point their weights sum to one.
@@ -75,11 +75,47 @@ where
         }
     }
 
-    /// The weight of light that the walk found by itself at `to`, having left `last`.
-    pub(crate) fn found(&self, last: Vec3, to: &Anchor<H::Hit>, scattered: Scattered) -> f32 {
-        scattered.pdf_w.map_or(1.0, |pdf_w| {
-            power_heuristic(pdf_w, D::direct_pdf_w(self.host, last, to))
-        })
+    /// Light that a surface sends along `wo` to `last`, from where the walk found it with density
+    /// `pdf_w`; `None` if no light sample could have found it.
+    pub(crate) fn emitted(
+        &self,
+        last: Vec3,
+        hit: H::Hit,
+        wo: Vec3,
+        pdf_w: Option<f32>,
+    ) -> H::Spectrum {
+        self.found(
+            last,
+            self.host.emitted(&hit, wo),
+            Anchor::Surface(hit),
+            pdf_w,
+        )
+    }
+
+    /// Light from infinity, found likewise.
+    pub(crate) fn background(
+        &self,
+        last: Vec3,
+        direction: Vec3,
+        pdf_w: Option<f32>,
+    ) -> H::Spectrum {
+        let light = self.host.background(direction);
+        self.found(last, light, Anchor::Direction(direction), pdf_w)
+    }
+
+    fn found(
+        &self,
+        last: Vec3,
+        light: H::Spectrum,
+        source: Anchor<H::Hit>,
+        pdf_w: Option<f32>,
+    ) -> H::Spectrum {
+        match pdf_w {
+            Some(pdf_w) if !light.is_black() => {
+                light * power_heuristic(pdf_w, D::direct_pdf_w(self.host, last, &source))
+            }
+            _ => light,
+        }
     }
 
     /// Light scattered towards the start of the line at an equiangular distance.
@@ -134,7 +170,7 @@ where
                 );
                 coefficients.albedo() * light * weight
             }
-            (Site::Collision(_), None) => H::Spectrum::default(),
+            (Site::Collision(_), None) => unreachable!("light collides only where it was gathered"),
         }
     }
 

@@ -41,10 +41,10 @@ pub use densities::{Densities, Mis, UnhittableLights};
 use gather::{Gather, Line};
 use std::marker::PhantomData;
 use tyndall_core::{
-    Anchor, Geometry, Integrator, LightDirect, Media, Medium, PassContext, PassError, Sampler,
-    SensorRay, Shading, Spectrum, Streams,
+    Geometry, Integrator, LightDirect, Media, Medium, PassContext, PassError, Sampler, SensorRay,
+    Shading, Spectrum, Streams,
 };
-use tyndall_walk::{Event, Scattered, Site, Walk};
+use tyndall_walk::{Event, Site, Walk};
 
 /// How often light may scatter *in media* between the light and the sensor; surfaces count apart.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -153,7 +153,7 @@ where
         let mut radiance = H::Spectrum::default();
         let mut walk = Walk::from_sensor(host, start);
         let mut last = start.ray.origin;
-        let mut scattered = Scattered { pdf_w: None };
+        let mut pdf_w = None;
         while !walk.throughput.is_black() {
             let segment = walk.segment();
             let carried = walk.throughput;
@@ -168,28 +168,24 @@ where
             if let Some(line) = &line {
                 radiance += carried * gather.along(line, sampler);
             }
+            let wo = -segment.ray.direction;
             let event = if collides {
                 walk.fly(segment, sampler)
             } else {
-                walk.pass(segment, sampler)
+                walk.transmit(segment, sampler)
             };
             match event {
-                Event::Interface => {}
+                Event::Interface(hit) => {
+                    radiance += walk.throughput * gather.emitted(last, hit, wo, pdf_w);
+                }
                 Event::Escape(direction) => {
-                    let light = host.background(direction);
-                    if !light.is_black() {
-                        let weight = gather.found(last, &Anchor::Direction(direction), scattered);
-                        radiance += walk.throughput * light * weight;
-                    }
+                    radiance += walk.throughput * gather.background(last, direction, pdf_w);
                     break;
                 }
                 Event::Scattering(vertex) => {
                     if let Site::Surface(hit) = &vertex.site {
-                        let light = host.emitted(hit, vertex.wo);
-                        if !light.is_black() {
-                            let weight = gather.found(last, &vertex.anchor(), scattered);
-                            radiance += walk.throughput * light * weight;
-                        }
+                        let light = gather.emitted(last, hit.clone(), wo, pdf_w);
+                        radiance += walk.throughput * light;
                     }
                     if !self.may_scatter(walk.depth) {
                         break;
@@ -197,7 +193,7 @@ where
                     radiance += walk.throughput * gather.at(&vertex, line.as_ref(), sampler);
                     last = vertex.position;
                     match walk.scatter(vertex, sampler) {
-                        Some(next) => scattered = next,
+                        Some(scattered) => pdf_w = scattered.pdf_w,
                         None => break,
                     }
                 }

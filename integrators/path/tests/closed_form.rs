@@ -10,7 +10,7 @@ use tyndall_driver::PassStreams;
 use tyndall_media::{Homogeneous, Phase};
 use tyndall_path::{Path, Scattering};
 use tyndall_testkit::closed_form::{
-    HFunction, LaserRow, SLABS, airlight, emission_only, laser_row_sum, point_source_fluence,
+    HFunction, LaserRow, SLABS, Slab, airlight, emission_only, laser_row_sum, point_source_fluence,
 };
 use tyndall_testkit::hosts::{AnalyticHost, Exitant, Interface, Laser, Light, View};
 use tyndall_testkit::stats::{Estimate, check_means};
@@ -69,8 +69,18 @@ fn pixel<H: Sensor>(
 
 #[test]
 fn slab_reflectance_and_transmittance() {
+    slabs(&SLABS[..3]);
+}
+
+#[test]
+#[ignore = "four million walks: cargo test -p tyndall-path --tests -- --ignored"]
+fn thick_forward_slab() {
+    slabs(&SLABS[3..]);
+}
+
+fn slabs(slabs: &[Slab]) {
     let mut figures = Figures::default();
-    for slab in SLABS {
+    for slab in slabs {
         // σt = 2.5, so that the slab is τ/2.5 thick.
         let sigma_t = 2.5;
         let sigma_s = slab.albedo as f32 * sigma_t;

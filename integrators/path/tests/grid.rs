@@ -45,7 +45,7 @@ fn the_furnace_is_white_in_smoke() {
     ] {
         for (distance, expected) in [(2.0, 1.0), (0.3, inside)] {
             let host = AnalyticHost::furnace(smoke.clone(), 1.0, interface, view(distance));
-            for (i, estimate) in measure_mean(&host, &Path::new(), 8_000, 1)
+            for (i, estimate) in measure_mean(&host, &Path::new(), 22_000, 1)
                 .into_iter()
                 .enumerate()
             {
@@ -69,12 +69,12 @@ fn a_constant_grid_is_a_homogeneous_medium() {
     let grid = DenseGrid::new([5, 4, 3], BOX, vec![2.0; 60]).expect("a grid");
     let grid = GridMedium::new(grid, per_density(sigma_a, sigma_s), phase.clone());
     let even = Homogeneous::new(per_density(sigma_a * 2.0, sigma_s * 2.0), phase);
-    let light = Light::Point {
-        position: Vec3::new(0.5, 1.5, -0.7),
-        power: Rgb::new(10.0, 30.0, 20.0),
+    let light = Light::Background {
+        radiance: Rgb::new(1.0, 3.0, 2.0),
+        reach: 1.01,
     };
     let matched = Interface::Matched;
-    let passes = 40_000;
+    let passes = 30_000;
     let grid = AnalyticHost::sphere(grid.expect("a medium"), 1.0, matched, light, view(3.0));
     let even = AnalyticHost::sphere(even.expect("a medium"), 1.0, matched, light, view(3.0));
     let grid = measure_mean(&grid, &Path::new(), passes, 1);

@@ -11,10 +11,10 @@ use tyndall_core::{
 /// ```text
 /// loop {
 ///     let segment = walk.segment();           // up to the next surface
-///     match walk.fly(&segment, sampler) {     // or no further than a collision
-///         Event::Scattering(vertex) => …      // gather, then walk.scatter(&vertex, …) or stop
-///         Event::Interface => {}              // a null surface: the walk is already behind it
-///         Event::Escape => break,
+///     match walk.fly(segment, sampler) {      // or no further than a collision
+///         Event::Scattering(vertex) => …      // gather, then walk.scatter(vertex, …) or stop
+///         Event::Interface(hit) => …          // a null surface: the walk is already behind it
+///         Event::Escape(direction) => break,
 ///     }
 /// }
 /// ```
@@ -87,23 +87,34 @@ impl<H: HostTypes> Vertex<H> {
 pub enum Event<H: HostTypes> {
     /// At a collision or a surface that scatters.
     Scattering(Vertex<H>),
-    /// At a null surface: the walk continues behind it.
-    Interface,
+    /// At a null surface, which may emit: the walk continues behind it.
+    Interface(H::Hit),
     /// Nowhere: the walk left the scene in this direction.
     Escape(Vec3),
 }
 
 /// How a walk left a vertex.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub struct Scattered {
     /// Density per steradian of the new direction; `None` if it was discrete.
     pub pdf_w: Option<f32>,
+    /// The new direction, away from the vertex.
+    pub wi: Vec3,
+    /// Index of refraction on the side of `wi` over that on the side of `wo`.
+    pub eta: f32,
+    /// Probability of having survived Russian roulette.
+    pub survival: f32,
 }
 
 /// Scatterings before Russian roulette begins.
 const ROULETTE_FROM: u32 = 3;
-/// The largest probability of survival, so that walks end where nothing absorbs.
-const ROULETTE_CAP: f32 = 0.999;
+/// Scatterings from which a walk that has lost nothing may end too: where nothing absorbs and
+/// nothing escapes it would last for ever. Any earlier, the variance of white media a hundred mean
+/// free paths thick would be infinite.
+const ENDLESS: u32 = 100_000;
+/// Its probability of survival from there on.
+const ENDLESS_SURVIVAL: f32 = 0.9999;
 
 impl<'h, H: Geometry + Shading + Media> Walk<'h, H> {
     /// A walk of sight, of throughput one.
@@ -118,7 +129,7 @@ impl<'h, H: Geometry + Shading + Media> Walk<'h, H> {
     }
 
     /// A walk of light that carries the flux of `start`.
-    pub fn from_light(host: &'h H, start: &EmissionSample<H::Spectrum>) -> Self {
+    pub fn from_light(host: &'h H, start: &EmissionSample<H::Spectrum, H::Hit>) -> Self {
         Self::new(host, PathFrom::Light, start.ray, start.medium, start.flux)
     }
 
@@ -174,7 +185,7 @@ impl<'h, H: Geometry + Shading + Media> Walk<'h, H> {
     }
 
     /// Goes to the end of the segment: the medium attenuates and does not scatter.
-    pub fn pass(&mut self, segment: Segment<H>, sampler: &mut impl Sampler) -> Event<H> {
+    pub fn transmit(&mut self, segment: Segment<H>, sampler: &mut impl Sampler) -> Event<H> {
         if let Some(medium) = self.host.medium(segment.medium) {
             self.throughput *= medium.transmittance(&segment.ray, sampler);
         }
@@ -188,8 +199,9 @@ impl<'h, H: Geometry + Shading + Media> Walk<'h, H> {
         };
         if self.host.surface_kind(&hit) == SurfaceKind::Null {
             self.medium = self.host.medium_across(&hit, ray.direction, medium);
-            self.ray = self.host.spawn(&Anchor::Surface(hit), ray.direction);
-            return Event::Interface;
+            let here = Anchor::Surface(hit.clone());
+            self.ray = self.host.spawn(&here, ray.direction);
+            return Event::Interface(hit);
         }
         Event::Scattering(Vertex {
             position: self.host.surface(&hit).position,
@@ -203,7 +215,7 @@ impl<'h, H: Geometry + Shading + Media> Walk<'h, H> {
     /// Leaves the vertex in a sampled direction; `None` if the walk ends here, by absorption or by
     /// Russian roulette.
     pub fn scatter(&mut self, vertex: Vertex<H>, sampler: &mut impl Sampler) -> Option<Scattered> {
-        let pdf_w = match vertex.site {
+        let (pdf_w, eta) = match vertex.site {
             Site::Collision(coefficients) => {
                 let medium = self.host.medium(vertex.medium)?;
                 let phase = medium
@@ -212,7 +224,7 @@ impl<'h, H: Geometry + Shading + Media> Walk<'h, H> {
                 self.throughput *= coefficients.albedo() * phase.weight;
                 self.collisions += 1;
                 self.ray = self.host.spawn(&Anchor::Point(vertex.position), phase.wi);
-                Some(phase.pdf_w)
+                (Some(phase.pdf_w), 1.0)
             }
             Site::Surface(hit) => {
                 let sample = self
@@ -222,31 +234,44 @@ impl<'h, H: Geometry + Shading + Media> Walk<'h, H> {
                 self.eta_squared *= sample.eta * sample.eta;
                 self.medium = self.host.medium_across(&hit, sample.wi, vertex.medium);
                 self.ray = self.host.spawn(&Anchor::Surface(hit), sample.wi);
-                (!sample.delta).then_some(sample.pdf_w)
+                ((!sample.delta).then_some(sample.pdf_w), sample.eta)
             }
         };
         self.depth += 1;
-        self.survives(sampler).then_some(Scattered { pdf_w })
+        Some(Scattered {
+            pdf_w,
+            wi: self.ray.direction,
+            eta,
+            survival: self.survive(sampler)?,
+        })
     }
 
-    /// Russian roulette on the throughput relative to the start. A walk that carries nothing ends.
-    fn survives(&mut self, sampler: &mut impl Sampler) -> bool {
+    /// Russian roulette on the throughput relative to the start: the probability of having
+    /// survived, or `None`. A walk that carries nothing ends.
+    fn survive(&mut self, sampler: &mut impl Sampler) -> Option<f32> {
         let carried = self.throughput.max_channel();
         if carried <= 0.0 {
-            return false;
+            return None;
         }
         if self.depth < ROULETTE_FROM {
-            return true;
+            return Some(1.0);
         }
         let scaling = match self.from {
             PathFrom::Sensor => self.eta_squared,
             PathFrom::Light => 1.0,
         };
-        let survival = (carried * scaling / self.start).min(ROULETTE_CAP);
-        if sampler.next_1d() >= survival {
-            return false;
+        let cap = if self.depth < ENDLESS {
+            1.0
+        } else {
+            ENDLESS_SURVIVAL
+        };
+        let survival = (carried * scaling / self.start).min(cap);
+        if survival < 1.0 {
+            if sampler.next_1d() >= survival {
+                return None;
+            }
+            self.throughput = self.throughput / survival;
         }
-        self.throughput = self.throughput / survival;
-        true
+        Some(survival)
     }
 }

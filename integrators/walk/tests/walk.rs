@@ -73,7 +73,7 @@ fn null_surfaces_are_no_bounces() {
     for expected in ["into the sphere", "out of it"] {
         let segment = walk.segment();
         let event = walk.fly(segment, &mut sampler);
-        assert!(matches!(event, Event::Interface), "{expected}");
+        assert!(matches!(event, Event::Interface(_)), "{expected}");
     }
     let segment = walk.segment();
     assert_eq!(segment.medium, MediumId::VACUUM);

@@ -45,10 +45,7 @@ impl Value {
 
 /// Parses the text of a file.
 pub(crate) fn parse(path: &str, text: &str) -> Result<Node, Error> {
-    let source = Source {
-        path: path.into(),
-        text,
-    };
+    let source = Source::new(path, text);
     let table = DeTable::parse(text).map_err(|e| Error::Syntax {
         place: source.place(&e.span().unwrap_or(0..0)),
         problem: e.message().to_owned(),
@@ -66,14 +63,7 @@ pub(crate) fn parse_override(key: &str, text: &str) -> Result<Node, Error> {
     let place = Place::Override(format!("{key}={text}").into());
     let bare = |c: char| c.is_alphanumeric() || "_-./ ".contains(c);
     let value = match DeValue::parse(text) {
-        Ok(value) => {
-            Source {
-                path: "".into(),
-                text,
-            }
-            .node(value, place.clone())?
-            .value
-        }
+        Ok(value) => Source::new("", text).node(value, place.clone())?.value,
         Err(_) if text.starts_with(char::is_alphabetic) && text.chars().all(bare) => {
             Value::String(text.into())
         }
@@ -104,19 +94,36 @@ impl Node {
     }
 }
 
-struct Source<'a> {
+/// A text, and what its lines and columns are counted by.
+struct Source {
     path: Arc<str>,
-    text: &'a str,
+    /// Where lines start.
+    lines: Vec<usize>,
+    /// Bytes that start no character.
+    continuations: Vec<usize>,
 }
 
-impl Source<'_> {
+impl Source {
+    fn new(path: &str, text: &str) -> Self {
+        let ends = text.match_indices('\n').map(|(i, _)| i + 1);
+        Self {
+            path: path.into(),
+            lines: [0].into_iter().chain(ends).collect(),
+            continuations: (0..text.len())
+                .filter(|&i| !text.is_char_boundary(i))
+                .collect(),
+        }
+    }
+
     fn place(&self, span: &Range<usize>) -> Place {
-        let before = &self.text[..self.text.floor_char_boundary(span.start)];
-        let line_start = before.rfind('\n').map_or(0, |i| i + 1);
+        let at = span.start;
+        let line = self.lines.partition_point(|&start| start <= at);
+        let start = self.lines[line - 1];
+        let inner = |end: usize| self.continuations.partition_point(|&i| i < end);
         Place::File {
             path: self.path.clone(),
-            line: before.matches('\n').count() + 1,
-            column: before[line_start..].chars().count() + 1,
+            line,
+            column: at - start - (inner(at) - inner(start)) + 1,
         }
     }
 
@@ -154,5 +161,29 @@ impl Source<'_> {
             }
         };
         Ok(Node { value, place, key })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_count_characters() {
+        let text = "a = 1\n\"größe\" = [\"é\", 2]";
+        let source = Source::new("x", text);
+        let place = |part: &str| {
+            let start = text.find(part).unwrap();
+            source.place(&(start..start)).to_string()
+        };
+        let parts = ["a", "1", "\"gr", "[", "2"];
+        assert_eq!(
+            parts.map(place),
+            ["x:1:1", "x:1:5", "x:2:1", "x:2:11", "x:2:17"]
+        );
+        assert_eq!(
+            source.place(&(text.len()..text.len())).to_string(),
+            "x:2:19"
+        );
     }
 }

@@ -74,8 +74,11 @@ fn bsdf(table: &Table<'_>) -> Result<Bsdf<Rgb>, Error> {
             }
         }
         "conductor" => {
-            let eta = table.required("eta")?.colour()?;
-            let k = table.required("k")?.colour()?;
+            let eta = (table.required("eta")?)
+                .colour_that(|x| (1e-6..=1e3).contains(&x), "between 1e-6 and 1000")?;
+            let k = table
+                .required("k")?
+                .colour_that(|x| x <= 1e3, "between 0 and 1000")?;
             match roughness(table)? {
                 None => Bsdf::Conductor { eta, k },
                 Some(alpha) => Bsdf::RoughConductor { eta, k, alpha },

@@ -3,11 +3,11 @@
 use super::reader::{Field, Table};
 use crate::Error;
 use crate::media::{Grid, MediumDescription};
-use crate::vol::{self, Voxels};
+use crate::vol::{Volume, read_vol};
 use glam::DVec3;
 use std::path::Path;
 use tyndall_core::{Aabb, Coefficients, Rgb, Spectrum};
-use tyndall_media::{DenseGrid, Phase};
+use tyndall_media::{DenseGrid, Phase, Tracking};
 
 /// Reads a medium; `folder` is that of the scene file, `origin` the point that becomes 0.
 pub(super) fn read(
@@ -74,6 +74,10 @@ fn grid(
         }
         None => None,
     };
+    let tracking = match table.optional("transmittance") {
+        Some(field) if field.one_of(&["ratio", "regular"])? == "regular" => Tracking::Regular,
+        _ => Tracking::Ratio,
+    };
     let coefficients = Coefficients {
         sigma_a: sigma_t * albedo.map(|a| 1.0 - a),
         sigma_s: sigma_t * albedo,
@@ -83,6 +87,7 @@ fn grid(
         density,
         albedo: albedo_grid,
         emission: emission_grid,
+        tracking,
     };
     Ok((coefficients, Some(grid)))
 }
@@ -126,7 +131,7 @@ fn density(table: &Table<'_>, folder: &Path, origin: DVec3) -> Result<(DenseGrid
 /// A procedural plume whose longest edge has `resolution` voxels.
 fn plume(field: &Field<'_>, bounds: Aabb) -> Result<DenseGrid, Error> {
     let table = field.table()?;
-    let resolution = table.required("resolution")?.integer(2, 1024)?;
+    let resolution = table.required("resolution")?.integer(2, 512)?;
     let seed = (table.optional("seed")).map_or(Ok(0), |f| f.integer(0, i64::from(u32::MAX)))?;
     table.finish()?;
     let size = bounds.size();
@@ -148,8 +153,8 @@ fn colours(field: &Field<'_>, folder: &Path, bounds: Aabb) -> Result<DenseGrid<R
     DenseGrid::new(voxels.resolution, bounds, values).map_err(|e| field.error(e))
 }
 
-fn volume(field: &Field<'_>, folder: &Path) -> Result<Voxels, Error> {
-    vol::read(&folder.join(field.string()?)).map_err(|e| field.error(e))
+fn volume(field: &Field<'_>, folder: &Path) -> Result<Volume, Error> {
+    read_vol(&folder.join(field.string()?)).map_err(|e| field.error(e))
 }
 
 fn phase(field: &Field<'_>) -> Result<Phase, Error> {

@@ -277,11 +277,21 @@ impl<'a> Field<'a> {
 
     /// A colour whose channels are at most one.
     pub(crate) fn fraction(&self) -> Result<Rgb, Error> {
+        self.colour_that(|x| x <= 1.0, "between 0 and 1")
+    }
+
+    /// A colour whose channels all pass `test`; `range` says so in words.
+    pub(crate) fn colour_that(
+        &self,
+        test: impl Fn(f32) -> bool,
+        range: &str,
+    ) -> Result<Rgb, Error> {
         let colour = self.colour()?;
-        if colour.0.max_element() > 1.0 {
-            return Err(self.expected("a number or [r, g, b] between 0 and 1"));
+        if colour.0.to_array().into_iter().all(test) {
+            Ok(colour)
+        } else {
+            Err(self.expected(&format!("a number or [r, g, b] {range}")))
         }
-        Ok(colour)
     }
 
     /// One of a list of words, as its place in the list.

@@ -122,7 +122,15 @@ impl Reader<'_> {
         if kind == "obj" {
             self.read_obj(&table, emission)?;
         } else {
-            let material = self.material(&table.required("material")?)?;
+            let field = table.required("material")?;
+            let material = self.material(&field)?;
+            if matches!(kind, "quad" | "disk") && self.materials[material].bsdf.transmits() {
+                return Err(field.error(format!(
+                    "light enters {:?}, so that the shape must be closed, which a {kind} is not: \
+                     use a box, or a diffuse, mirror or conductor material",
+                    self.names[material]
+                )));
+            }
             let solid = solid(kind, &table)?;
             self.add(solid, material, emission);
         }

@@ -93,11 +93,19 @@ fn axes(table: &Table<'_>, position: DVec3) -> Result<(DVec3, DVec3), Error> {
     Ok((forward, up))
 }
 
+/// Pixels of a picture at most.
+const MAX_PIXELS: u64 = 1 << 28;
+
 fn resolution(film: &Field<'_>) -> Result<[u32; 2], Error> {
     let table = film.table()?;
     let side = |key| Ok::<_, Error>(table.required(key)?.integer(1, 65536)? as u32);
     let resolution = [side("width")?, side("height")?];
     table.finish()?;
+    if u64::from(resolution[0]) * u64::from(resolution[1]) > MAX_PIXELS {
+        return Err(film.error(format!(
+            "has more than {MAX_PIXELS} pixels: lower `width` or `height`"
+        )));
+    }
     Ok(resolution)
 }
 

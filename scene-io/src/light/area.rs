@@ -3,7 +3,7 @@
 
 use crate::host::Hit;
 use glam::Vec3;
-use std::f32::consts::{FRAC_1_PI, PI};
+use std::f32::consts::PI;
 use tyndall_core::{
     Anchor, DirectSample, EmissionPdf, EmissionSample, Frame, LightKind, MediumId, warp,
 };
@@ -28,19 +28,17 @@ impl Area {
         [u0, u1, u2, u3]: [f32; 4],
         surfaces: &Surfaces,
         locate: impl Fn(Vec3) -> MediumId,
-    ) -> EmissionSample<f32> {
+    ) -> EmissionSample<f32, Hit> {
         let hit = surfaces.sample(self.shape, self.primitive, [u0, u1]);
         let local = warp::cosine_hemisphere([u2, u3]);
         let normal = surfaces.surface(&hit).geometric_normal;
         let direction = Frame::around(normal).to_world(local);
         let ray = surfaces.spawn(&Anchor::Surface(hit), direction);
         EmissionSample {
+            source: Anchor::Surface(Hit::on_light(hit)),
             ray,
             flux: self.power(),
-            pdf: EmissionPdf {
-                pdf_a: 1.0 / self.area,
-                pdf_w: warp::cosine_hemisphere_pdf_w(local.z),
-            },
+            pdf: self.pdf_emission(local.z),
             cos_theta: local.z,
             kind: LightKind::Area,
             medium: self.medium.unwrap_or_else(|| locate(ray.origin)),
@@ -57,30 +55,33 @@ impl Area {
         let hit = surfaces.sample(self.shape, self.primitive, u);
         let surface = surfaces.surface(&hit);
         let (wi, distance) = (surface.position - from).normalize_and_length();
-        let pdf_w = self.pdf_direct_w(wi, distance, surface.geometric_normal);
+        let cos_theta = -wi.dot(surface.geometric_normal);
+        let pdf_w = self.pdf_direct_w(distance, cos_theta);
         (pdf_w > 0.0).then(|| DirectSample {
             target: Anchor::Surface(Hit::on_light(hit)),
             wi,
             weight: 1.0 / pdf_w,
             pdf_w,
+            emission: self.pdf_emission(cos_theta),
+            cos_theta,
+            kind: LightKind::Area,
         })
     }
 
-    /// Density per steradian of sampling by area, towards a point at `distance` along `wi`.
-    pub(super) fn pdf_direct_w(&self, wi: Vec3, distance: f32, normal: Vec3) -> f32 {
-        let cos = -wi.dot(normal);
-        let pdf_w = distance * distance / (cos * self.area);
-        if cos > 0.0 && pdf_w.is_finite() {
+    /// Density per steradian of sampling by area, from `distance` at `cos_theta` to the normal.
+    pub(super) fn pdf_direct_w(&self, distance: f32, cos_theta: f32) -> f32 {
+        let pdf_w = distance * distance / (cos_theta * self.area);
+        if cos_theta > 0.0 && pdf_w.is_finite() {
             pdf_w
         } else {
             0.0
         }
     }
 
-    pub(super) fn pdf_emission(&self, direction: Vec3, normal: Vec3) -> EmissionPdf {
+    pub(super) fn pdf_emission(&self, cos_theta: f32) -> EmissionPdf {
         EmissionPdf {
             pdf_a: 1.0 / self.area,
-            pdf_w: direction.dot(normal).max(0.0) * FRAC_1_PI,
+            pdf_w: warp::cosine_hemisphere_pdf_w(cos_theta),
         }
     }
 }

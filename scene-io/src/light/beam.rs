@@ -1,8 +1,12 @@
 //! A collimated beam: parallel light from a disc. Its colour is power, W.
 
+use super::unhittable;
+use crate::host::Hit;
 use glam::{DVec3, Vec3};
 use std::f32::consts::PI;
-use tyndall_core::{EmissionPdf, EmissionSample, Frame, LightKind, MediumId, Ray, warp};
+use tyndall_core::{
+    Anchor, DirectSample, EmissionPdf, EmissionSample, Frame, LightKind, MediumId, Ray, warp,
+};
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Beam {
@@ -19,29 +23,42 @@ impl Beam {
         PI * self.radius * self.radius
     }
 
-    pub(super) fn sample_emission(&self, u: [f32; 2]) -> EmissionSample<f32> {
+    pub(super) fn sample_emission(&self, u: [f32; 2]) -> EmissionSample<f32, Hit> {
         let on_disc = self.radius * warp::disk(u);
         let origin = self.position + Frame::around(self.direction).to_world(on_disc.extend(0.0));
         EmissionSample {
+            source: Anchor::Direction(-self.direction),
             ray: Ray::new(origin, self.direction),
             flux: 1.0,
-            pdf: EmissionPdf {
-                pdf_a: 1.0 / self.area(),
-                pdf_w: 1.0,
-            },
+            pdf: self.pdf_emission(),
             cos_theta: 1.0,
             kind: LightKind::Parallel,
             medium: self.medium,
         }
     }
 
-    /// The point of the disc that shines on `from`, and the irradiance there.
-    pub(super) fn arriving(&self, from: Vec3) -> Option<(Vec3, f32)> {
+    /// `None` outside of the beam.
+    pub(super) fn sample_direct(&self, from: Vec3) -> Option<DirectSample<f32, Hit>> {
         let v = from - self.position;
         let ahead = v.dot(self.direction);
         let across = v - ahead * self.direction;
         let inside = ahead > 0.0 && across.length_squared() <= self.radius * self.radius;
-        inside.then(|| (self.position + across, 1.0 / self.area()))
+        inside.then(|| {
+            unhittable(
+                LightKind::Parallel,
+                Anchor::Point(self.position + across),
+                -self.direction,
+                1.0 / self.area(),
+                self.pdf_emission(),
+            )
+        })
+    }
+
+    fn pdf_emission(&self) -> EmissionPdf {
+        EmissionPdf {
+            pdf_a: 1.0 / self.area(),
+            pdf_w: 1.0,
+        }
     }
 
     /// A point at the beam's radius from where its axis comes nearest to the line of `ray`, on the

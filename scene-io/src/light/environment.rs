@@ -22,9 +22,11 @@ impl Environment {
         [u0, u1, u2, u3]: [f32; 4],
         world: World,
         medium: MediumId,
-    ) -> EmissionSample<f32> {
+    ) -> EmissionSample<f32, Hit> {
+        let direction = warp::uniform_sphere([u2, u3]);
         EmissionSample {
-            ray: world.ray_from_outside(warp::uniform_sphere([u2, u3]), [u0, u1]),
+            source: Anchor::Direction(-direction),
+            ray: world.ray_from_outside(direction, [u0, u1]),
             flux: self.power(world),
             pdf: pdf_emission(world),
             cos_theta: 1.0,
@@ -33,13 +35,16 @@ impl Environment {
         }
     }
 
-    pub(super) fn sample_direct(&self, u: [f32; 2]) -> DirectSample<f32, Hit> {
+    pub(super) fn sample_direct(&self, u: [f32; 2], world: World) -> DirectSample<f32, Hit> {
         let wi = warp::uniform_sphere(u);
         DirectSample {
             target: Anchor::Direction(wi),
             wi,
             weight: 1.0 / PDF_W,
             pdf_w: PDF_W,
+            emission: pdf_emission(world),
+            cos_theta: 1.0,
+            kind: LightKind::Background,
         }
     }
 }

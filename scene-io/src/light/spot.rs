@@ -1,8 +1,12 @@
 //! Light from a point into a cone. Its colour is the intensity in the inner cone, W/sr.
 
+use super::unhittable;
+use crate::host::Hit;
 use glam::Vec3;
 use std::f32::consts::TAU;
-use tyndall_core::{EmissionPdf, EmissionSample, Frame, LightKind, MediumId, Ray, warp};
+use tyndall_core::{
+    Anchor, DirectSample, EmissionPdf, EmissionSample, Frame, LightKind, MediumId, Ray, warp,
+};
 
 /// Its intensity is constant within the inner cone and falls to zero at the outer one, linearly in
 /// the cosine. Cones are given by their *height* 1 − cos θ, which is exact for narrow ones.
@@ -41,7 +45,7 @@ impl Spot {
         }
     }
 
-    pub(super) fn sample_emission(&self, u: [f32; 2]) -> EmissionSample<f32> {
+    pub(super) fn sample_emission(&self, u: [f32; 2]) -> EmissionSample<f32, Hit> {
         let ramp = 0.5 * (self.outer - self.inner);
         let mass = u[0] * (self.inner + ramp);
         let height = if mass < self.inner {
@@ -54,22 +58,32 @@ impl Spot {
         let local = warp::uniform_cone(height, [1.0, u[1]]);
         let w = Frame::around(self.axis).to_world(local);
         EmissionSample {
+            source: Anchor::Point(self.position),
             ray: Ray::new(self.position, w),
             flux: self.power(),
-            pdf: EmissionPdf {
-                pdf_a: 1.0,
-                pdf_w: self.falloff(w) / cone_power(self.inner, self.outer),
-            },
+            pdf: self.pdf_emission(self.falloff(w)),
             cos_theta: 1.0,
             kind: LightKind::Point,
             medium: self.medium,
         }
     }
 
-    /// Direction towards the light, and irradiance on a plane that faces it.
-    pub(super) fn arriving(&self, from: Vec3) -> (Vec3, f32) {
+    pub(super) fn sample_direct(&self, from: Vec3) -> DirectSample<f32, Hit> {
         let (wi, distance) = (self.position - from).normalize_and_length();
         let falloff = self.falloff(-wi);
-        (wi, falloff / (distance * distance))
+        unhittable(
+            LightKind::Point,
+            Anchor::Point(self.position),
+            wi,
+            falloff / (distance * distance),
+            self.pdf_emission(falloff),
+        )
+    }
+
+    fn pdf_emission(&self, falloff: f32) -> EmissionPdf {
+        EmissionPdf {
+            pdf_a: 1.0,
+            pdf_w: falloff / self.power(),
+        }
     }
 }

@@ -22,7 +22,7 @@ fov = 30
 width = 8
 height = 8
 [environment]
-radiance = 1
+radiance = 1 # not seen from between walls
 [media.milk]
 kind = "homogeneous"
 sigma_a = 0
@@ -37,6 +37,73 @@ scale = 5
 albedo = 1
 phase = { kind = "blend", parts = [{ weight = 1, phase = "rayleigh" }, { weight = 2, phase = { kind = "henyey_greenstein", g = -0.4 } }] }
 "#;
+
+#[test]
+fn walls_that_glow() {
+    // Walls that reflect ρ and emit 1 − ρ are a furnace too, one whose light is found at surfaces:
+    // by direct sampling, by scattering, and in milk by both at two distances.
+    let walls: String = (0..3)
+        .flat_map(|axis| [-1.0, 1.0].map(|side| wall(axis, side)))
+        .collect();
+    let shapes = format!(
+        r#"
+        materials.wall = {{ kind = "diffuse", reflectance = [0.5, 0.2, 0.8], emission = [0.5, 0.8, 0.2] }}
+        materials.boundary = {{ kind = "null", inside = "milk" }}
+        materials.glass = {{ kind = "dielectric", ior = 1.5 }}
+        shapes = [
+            {{ kind = "sphere", center = [0, 0, 0], radius = 2, material = "boundary" }},
+            {{ kind = "sphere", center = [0.5, 0, 0], radius = 0.5, material = "glass" }},
+            {walls}
+        ]
+    "#
+    );
+    is_white("walls that glow", &shapes, 8_000);
+}
+
+#[test]
+fn a_null_surface_may_glow() {
+    // Light passes the boundary of nothing, and what the boundary emits is added.
+    let shapes = r#"
+        materials.boundary = { kind = "null", emission = 0.5 }
+        shapes = [{ kind = "sphere", center = [0, 0, 0], radius = 1, material = "boundary" }]
+        environment.radiance = 0.5
+    "#;
+    let head = HEAD.replace(
+        "[environment]\nradiance = 1 # not seen from between walls\n",
+        "",
+    );
+    let head = head.replace("fov = 30", "fov = 10");
+    let text = format!("{shapes}{head}");
+    let file =
+        SceneFile::parse(&text, FilePath::new("glow"), &[]).unwrap_or_else(|e| panic!("{e}"));
+    let scene = file.build::<Rgb>().unwrap_or_else(|e| panic!("{e}"));
+    for estimate in measure_mean(&scene, &Path::new(), 2, 1) {
+        // Every ray meets the sky and the front of the sphere, and nothing else.
+        assert!((estimate.mean - 1.0).abs() < 1e-6, "{estimate:?}");
+    }
+}
+
+/// One wall of a box of side 10 around the origin, whose normal points inwards.
+fn wall(axis: usize, side: f64) -> String {
+    let unit = |i: usize, length: f64| {
+        let mut v = [0.0; 3];
+        v[i % 3] = length;
+        v
+    };
+    let mut corner = [-5.0; 3];
+    corner[axis] = 5.0 * side;
+    // u × v is along the axis; against the side it points inwards.
+    let (u, v) = if side < 0.0 {
+        (axis + 1, axis + 2)
+    } else {
+        (axis + 2, axis + 1)
+    };
+    format!(
+        r#"{{ kind = "quad", corner = {corner:?}, edge_u = {:?}, edge_v = {:?}, material = "wall" }},"#,
+        unit(u, 10.0),
+        unit(v, 10.0)
+    )
+}
 
 /// Of the scene with these materials and shapes; inline keys must stand before the tables.
 fn is_white(name: &str, shapes: &str, passes: u64) {

@@ -27,6 +27,7 @@
 mod direct;
 mod emission;
 mod geometry;
+mod importance;
 mod integrator;
 mod probe;
 mod sensor;
@@ -35,11 +36,12 @@ mod shading;
 pub use direct::direct;
 pub use emission::{emission, power};
 pub use geometry::geometry;
+pub use importance::importance;
 pub use integrator::{determinism, finiteness, scale_invariance};
 pub use sensor::sensor;
 pub use shading::shading;
 
-use tyndall_core::Spectrum;
+use tyndall_core::{EmissionPdf, Spectrum};
 
 /// Probability that a check fails a right host or integrator by chance; shared by all the
 /// statistical tests in it.
@@ -54,7 +56,8 @@ const RELATIVE: f32 = 1e-3;
 /// - `power`: total power of its lights, a spectrum in W; adds the test that emission integrates to
 ///   it.
 /// - `checks`: names of functions of [`conformance`](crate::conformance), for hosts that lack a
-///   capability. All of `sensor`, `geometry`, `shading`, `direct`, `emission` if left out.
+///   capability or have more. If left out, `sensor`, `geometry`, `shading`, `direct`, `emission`;
+///   `importance` is for hosts whose sensor can be connected to.
 ///
 /// Each fails a right host with probability [`FALSE_ALARM`](crate::conformance::FALSE_ALARM) at
 /// the most. They take seconds at the most on a host of few surfaces. What the sensor's rays and random walks from them do
@@ -153,6 +156,11 @@ fn same(a: f32, b: f32, relative: f32) -> bool {
 fn same_spectrum<S: Spectrum>(a: S, b: S, relative: f32) -> bool {
     let largest = a.max_channel().max(b.max_channel());
     a.is_finite() && b.is_finite() && (a - b).map(f32::abs).max_channel() <= relative * largest
+}
+
+/// Whether both densities are the same.
+fn same_emission(a: EmissionPdf, b: EmissionPdf, relative: f32) -> bool {
+    same(a.pdf_a, b.pdf_a, relative) && same(a.pdf_w, b.pdf_w, relative)
 }
 
 /// Finite and not negative.

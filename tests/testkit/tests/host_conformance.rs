@@ -5,8 +5,8 @@ use std::f32::consts::{FRAC_1_PI, PI};
 use tyndall_core::{
     Aabb, Anchor, BsdfSample, Coefficients, DirectSample, EmissionPdf, EmissionSample, Frame,
     Geometry, HostTypes, LightDirect, LightEmission, LightKind, LightPdf, Media, MediumId,
-    PathFrom, Ray, Rgb, Sensor, SensorRay, Shading, ShadingPdf, Spectrum, Surface, SurfaceKind,
-    warp,
+    PathFrom, Ray, Rgb, Sensor, SensorConnection, SensorImportance, SensorRay, Shading, ShadingPdf,
+    Spectrum, Surface, SurfaceKind, warp,
 };
 use tyndall_media::{Homogeneous, Phase};
 use tyndall_testkit::hosts::{
@@ -78,6 +78,16 @@ host_conformance! {
     }),
     power: 2.0,
 }
+host_conformance! {
+    name: pinhole,
+    host: AnalyticHost::infinite_medium(fog::<f32>(), Vec3::X, 1.0, View::Pinhole {
+        eye: Vec3::new(1.0, 20.0, -3.0),
+        forward: Vec3::new(0.6, -0.8, 0.0),
+        half_width: 1.5,
+        pixels: 7,
+    }),
+    checks: [importance],
+}
 host_conformance! { name: glowing_ball, host: Ball::new(Fault::None), power: 4.0 * PI * PI * GLOW }
 
 /// A flaw planted in the ball.
@@ -108,12 +118,29 @@ enum Fault {
     EmissionDensity,
     /// Sensor rays of length 1.01.
     Sensor,
+    /// Densities of sensor rays 2 % too large.
+    SensorDensity,
+    /// Connections to the sensor 2 % too bright.
+    Importance,
+    /// Connections to the sensor as if the film were a sphere, of the same area.
+    ImportanceShape,
+    /// Emission of direct light 2 % too dense.
+    DirectEmission,
+    /// Emitted light claims to come from the opposite side of the ball.
+    Source,
+    /// None, but a point light takes the place of the glow.
+    Lamp,
+    /// A point light of which direct light states an emission 2 % too dense.
+    LampDensity,
+    /// A point light that emits into z > 0 only, stated as into all directions.
+    LampHemisphere,
 }
 
 /// A diffuse ball of radius 1 and albedo 1/2 that glows: area light and finite surface.
 struct Ball {
     space: AnalyticHost<Homogeneous<f32>>,
     fault: Fault,
+    bounds: Aabb,
 }
 
 const GLOW: f32 = 2.0;
@@ -122,9 +149,36 @@ const PDF_A: f32 = 0.25 * FRAC_1_PI;
 
 impl Ball {
     fn new(fault: Fault) -> Self {
-        let space = glass_ball(Light::None);
+        let position = Vec3::new(0.0, 2.0, 0.0);
+        let space = glass_ball(match fault {
+            Fault::Lamp | Fault::LampDensity | Fault::LampHemisphere => Light::Point {
+                position,
+                power: 7.0,
+            },
+            _ => Light::None,
+        });
         assert!(matches!(space.boundary, Boundary::Sphere { .. }));
-        Self { space, fault }
+        Self {
+            bounds: space.bounds(),
+            space,
+            fault,
+        }
+    }
+
+    /// The same in a space that claims to be infinite.
+    fn unbounded(fault: Fault) -> Self {
+        let bounds = Aabb {
+            min: Vec3::NEG_INFINITY,
+            max: Vec3::INFINITY,
+        };
+        Self {
+            bounds,
+            ..Self::new(fault)
+        }
+    }
+
+    fn has_lamp(&self) -> bool {
+        self.space.light != Light::None
     }
 
     /// 1.02 if the ball has this fault.
@@ -140,6 +194,13 @@ impl Ball {
         }
         2.0 * PDF_A * across.length_squared() / cosine * self.off(Fault::DirectDensity)
     }
+
+    fn emission_pdf(&self, hit: &BoundaryHit, direction: Vec3) -> EmissionPdf {
+        EmissionPdf {
+            pdf_a: PDF_A / self.off(Fault::Power) * self.off(Fault::EmissionDensity),
+            pdf_w: warp::cosine_hemisphere_pdf_w(direction.dot(hit.normal)),
+        }
+    }
 }
 
 impl HostTypes for Ball {
@@ -150,7 +211,7 @@ impl HostTypes for Ball {
 
 impl Geometry for Ball {
     fn bounds(&self) -> Aabb {
-        self.space.bounds()
+        self.bounds
     }
     fn intersect(&self, ray: &Ray, here: MediumId) -> Option<(f32, BoundaryHit)> {
         self.space.intersect(ray, here)
@@ -245,6 +306,11 @@ impl ShadingPdf for Ball {
 
 impl LightDirect for Ball {
     fn sample_direct(&self, from: Vec3, u: [f32; 4]) -> Option<DirectSample<f32, BoundaryHit>> {
+        if self.has_lamp() {
+            let mut sample = self.space.sample_direct(from, u)?;
+            sample.emission.pdf_w *= self.off(Fault::LampDensity);
+            return Some(sample);
+        }
         // The half that faces the point.
         let local = warp::uniform_cone(1.0, [u[1], u[2]]);
         let normal = Frame::around(from.normalize()).to_world(local).normalize();
@@ -253,17 +319,30 @@ impl LightDirect for Ball {
             normal,
         };
         let pdf_w = self.pdf_direct(from, &hit);
+        let wi = (normal - from).normalize();
+        let mut emission = self.emission_pdf(&hit, -wi);
+        emission.pdf_a *= self.off(Fault::DirectEmission);
         (pdf_w > 0.0).then_some(DirectSample {
             target: Anchor::Surface(hit),
-            wi: (normal - from).normalize(),
+            wi,
             weight: GLOW / pdf_w * self.off(Fault::DirectWeight),
             pdf_w,
+            emission,
+            cos_theta: -wi.dot(normal),
+            kind: LightKind::Area,
         })
     }
 }
 
 impl LightEmission for Ball {
-    fn sample_emission(&self, u: [f32; 6]) -> Option<EmissionSample<f32>> {
+    fn sample_emission(&self, u: [f32; 6]) -> Option<EmissionSample<f32, BoundaryHit>> {
+        if self.has_lamp() {
+            let mut sample = self.space.sample_emission(u)?;
+            if self.fault == Fault::LampHemisphere {
+                sample.ray.direction.z = sample.ray.direction.z.abs();
+            }
+            return Some(sample);
+        }
         let normal = warp::uniform_sphere([u[1], u[2]]);
         let local = warp::cosine_hemisphere([u[3], u[4]]);
         let hit = BoundaryHit {
@@ -276,7 +355,15 @@ impl LightEmission for Ball {
             pdf_a: PDF_A / self.off(Fault::Power),
             pdf_w: warp::cosine_hemisphere_pdf_w(cos_theta),
         };
+        let source = match self.fault {
+            Fault::Source => BoundaryHit {
+                position: -hit.position,
+                normal: -hit.normal,
+            },
+            _ => hit,
+        };
         (cos_theta > 0.0).then(|| EmissionSample {
+            source: Anchor::Surface(source),
             ray: self.space.spawn(&Anchor::Surface(hit), direction),
             flux: GLOW * cos_theta / (pdf.pdf_a * pdf.pdf_w) * self.off(Fault::Flux),
             pdf,
@@ -296,10 +383,7 @@ impl LightPdf for Ball {
     }
     fn pdf_emission(&self, at: &Anchor<BoundaryHit>, direction: Vec3) -> EmissionPdf {
         match at {
-            Anchor::Surface(hit) => EmissionPdf {
-                pdf_a: PDF_A / self.off(Fault::Power) * self.off(Fault::EmissionDensity),
-                pdf_w: warp::cosine_hemisphere_pdf_w(direction.dot(hit.normal)),
-            },
+            Anchor::Surface(hit) => self.emission_pdf(hit, direction),
             Anchor::Point(_) | Anchor::Direction(_) => EmissionPdf::default(),
         }
     }
@@ -314,7 +398,19 @@ impl Sensor for Ball {
         if self.fault == Fault::Sensor {
             start.ray.direction *= 1.01;
         }
+        start.pdf_w *= self.off(Fault::SensorDensity);
         start
+    }
+}
+
+impl SensorImportance for Ball {
+    fn connect_sensor(&self, from: Vec3, u: [f32; 2]) -> Option<SensorConnection<f32>> {
+        let mut connection = self.space.connect_sensor(from, u)?;
+        connection.weight *= self.off(Fault::Importance);
+        if self.fault == Fault::ImportanceShape {
+            connection.weight *= 1.22 * (-connection.wi.z).powi(3).abs();
+        }
+        Some(connection)
     }
 }
 
@@ -322,7 +418,7 @@ impl Sensor for Ball {
 fn every_defect_is_found_by_its_check() {
     type Check = fn(&Ball) -> Result<(), String>;
     let power: Check = |ball| conformance::power(ball, 4.0 * PI * PI * GLOW);
-    let cases: [(Fault, Check, &str); 12] = [
+    let cases: [(Fault, Check, &str); 19] = [
         (
             Fault::ScatteringDensity,
             conformance::shading,
@@ -351,6 +447,33 @@ fn every_defect_is_found_by_its_check() {
             "pdf_emission is",
         ),
         (Fault::Sensor, conformance::sensor, "unit direction"),
+        (
+            Fault::SensorDensity,
+            conformance::importance,
+            "both pdf_w must",
+        ),
+        (Fault::Importance, conformance::importance, "splatted image"),
+        (Fault::ImportanceShape, conformance::importance, "tile"),
+        (
+            Fault::DirectEmission,
+            conformance::direct,
+            "pdf_emission is",
+        ),
+        (
+            Fault::Source,
+            conformance::emission,
+            "the source is another",
+        ),
+        (
+            Fault::LampDensity,
+            conformance::emission,
+            "another emission",
+        ),
+        (
+            Fault::LampHemisphere,
+            conformance::emission,
+            "light from [0, 2, 0] does not follow",
+        ),
     ];
     for (fault, check, words) in cases {
         check(&Ball::new(Fault::None)).unwrap();
@@ -359,4 +482,16 @@ fn every_defect_is_found_by_its_check() {
             Err(why) => assert!(why.contains(words), "{fault:?}: {why}"),
         }
     }
+}
+
+#[test]
+fn a_lamp_has_no_defect() {
+    conformance::emission(&Ball::new(Fault::Lamp)).unwrap();
+}
+
+#[test]
+fn infinite_bounds_hide_no_defect() {
+    conformance::geometry(&Ball::unbounded(Fault::None)).unwrap();
+    let why = conformance::geometry(&Ball::unbounded(Fault::SpawnsBelow)).unwrap_err();
+    assert!(why.contains("meets it again"), "{why}");
 }

@@ -60,6 +60,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         camera,
         resolution: [400, 300],
         fog: Some(Homogeneous::new(fog, Phase::henyey_greenstein(0.3)?)?),
+        skin: 1e-4,
     };
     let film =
         Render::new(&host, &Path::with_unhittable_lights()).run(Budget::Passes(64), |_| {})?;

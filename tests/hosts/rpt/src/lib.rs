@@ -4,6 +4,9 @@
 //! material, lights that no ray can hit, and no media. [`RptHost`] lends it fog: one homogeneous
 //! medium around all objects, vacuum inside transparent ones.
 //!
+//! Its planes turn their normals towards the viewer, so a transparent plane would have no inside;
+//! opaque ones, closed shapes and meshes are fine.
+//!
 //! What `rpt` does not tell, it cannot lend: its materials keep the density of their samples to
 //! themselves, so there is no `ShadingPdf` here, and its lights have no emission to sample. Asking
 //! for either is an error of the compiler (see `tests/compile_fail`).
@@ -13,16 +16,14 @@ use glam::{DVec3, Vec3};
 use rand::{SeedableRng, rngs::StdRng};
 use rpt::{Camera, HitRecord, Light, Material, Object, Scene, glm};
 use tyndall_core::{
-    Aabb, Anchor, BsdfSample, DirectSample, Geometry, HostTypes, LightDirect, Media, MediumId,
-    PathFrom, Ray, Rgb, Sensor, SensorRay, Shading, Spectrum, Surface, SurfaceKind,
+    Aabb, Anchor, BsdfSample, DirectSample, EmissionPdf, Geometry, HostTypes, LightDirect,
+    LightKind, Media, MediumId, PathFrom, Ray, Rgb, Sensor, SensorRay, Shading, Spectrum, Surface,
+    SurfaceKind,
 };
 use tyndall_media::Homogeneous;
 
 /// The medium around the objects.
 const FOG: MediumId = MediumId(1);
-/// Surfaces nearer than this share of a coordinate are the one that a ray just left: `f32` rays
-/// over `f64` shapes.
-const SKIN: f64 = 1e-4;
 
 /// One of rpt's scenes, seen by one of its cameras, in fog.
 pub struct RptHost {
@@ -34,6 +35,9 @@ pub struct RptHost {
     pub resolution: [u32; 2],
     /// What fills the space between the objects; `None` is rpt as it was.
     pub fog: Option<Homogeneous<Rgb>>,
+    /// How far rays start from the surface that they leave: larger than the rounding of `f32` at
+    /// the scene's coordinates, smaller than its details.
+    pub skin: f64,
 }
 
 /// A hit as rpt computes it.
@@ -58,8 +62,7 @@ impl RptHost {
             Anchor::Point(p) => *p,
             Anchor::Surface(hit) => {
                 let side = f64::from(towards.dot(to_vec3(&hit.normal))).signum();
-                let skin = SKIN * hit.position.amax().max(1.0);
-                to_vec3(&(hit.position + side * skin * hit.normal))
+                to_vec3(&(hit.position + side * self.skin * hit.normal))
             }
             Anchor::Direction(_) => panic!("a direction is nowhere"),
         }
@@ -224,6 +227,12 @@ impl LightDirect for RptHost {
             wi,
             weight: to_rgb(&intensity) * lights.len() as f32,
             pdf_w: 0.0,
+            emission: EmissionPdf::default(),
+            cos_theta: 1.0,
+            kind: match light {
+                Light::Directional(..) => LightKind::Parallel,
+                _ => LightKind::Point,
+            },
         })
     }
 

@@ -54,6 +54,7 @@ fn a_glowing_wall_fades_behind_fog_that_absorbs() {
         camera: keyhole(glm::vec3(0.0, 0.0, 1.0)),
         resolution: [1, 1],
         fog: Some(fog(sigma_a, Rgb::default())),
+        skin: 1e-5,
     };
     check(&host, Scattering::Multiple, 2_000, |channel| {
         [3.0, 1.5, 6.0][channel] * (-3.0 * f64::from(sigma_a.channel(channel))).exp()
@@ -75,6 +76,7 @@ fn a_point_light_glows_in_fog() {
         camera: keyhole(glm::vec3(0.0, 0.0, 0.0)),
         resolution: [1, 1],
         fog: Some(fog(sigma_a, sigma_s)),
+        skin: 1e-5,
     };
     check(&host, Scattering::Single, 200_000, |channel| {
         let sigma_s = f64::from(sigma_s.channel(channel));
@@ -109,6 +111,7 @@ fn ball(scale: f32) -> RptHost {
         },
         resolution: [16, 12],
         fog: Some(fog(Rgb::splat(0.01 / scale), Rgb::splat(0.1 / scale))),
+        skin: 1e-4 * s,
     }
 }
 

@@ -1,7 +1,7 @@
 //! Light arriving at a point.
 
 use super::probe::{first_solid, points};
-use super::{FALSE_ALARM, RELATIVE, ensure, is_unit, same, same_spectrum, valid};
+use super::{FALSE_ALARM, RELATIVE, ensure, is_unit, same, same_emission, same_spectrum, valid};
 use crate::stats::{Moments, check_mean, chi2_sphere, integral_near, sidak};
 use crate::{TestSampler, rng};
 use glam::Vec3;
@@ -25,8 +25,8 @@ const FEWEST: usize = 50;
 ///
 /// At points along the rays of the sensor and of random walks from it:
 /// - a sample's connection runs along `wi`; its weight is finite;
-/// - where `pdf_w` is positive, `pdf_direct_w` of its target agrees, and weight × `pdf_w` is the
-///   radiance emitted there;
+/// - where `pdf_w` is positive, `pdf_direct_w` and `pdf_emission` of its target agree, and
+///   weight × `pdf_w` is the radiance emitted there;
 /// - visible samples follow the density that `pdf_direct_w` has for what a ray in their direction
 ///   finds ([`chi2_sphere`]), and their mean weight is the fluence that rays in all directions find.
 ///   Lights that subtend less than 0.02 rad are too small for this test, which then fails.
@@ -102,6 +102,9 @@ where
             wi,
             weight,
             pdf_w,
+            emission,
+            cos_theta,
+            ..
         } = sample;
         let at = || {
             format!(
@@ -109,8 +112,14 @@ where
                 self.position
             )
         };
-        ensure(is_unit(*wi) && valid(*weight) && valid(*pdf_w), || {
-            format!("{}: unsound", at())
+        let sound = is_unit(*wi)
+            && valid(*weight)
+            && [*pdf_w, emission.pdf_a, emission.pdf_w]
+                .into_iter()
+                .all(valid)
+            && (0.0..=1.001).contains(cos_theta);
+        ensure(sound, || {
+            format!("{}, {emission:?}, cos θ {cos_theta}: unsound", at())
         })?;
         let ray = self.host.connect(&self.anchor(), target);
         ensure(ray.direction.dot(*wi) > 1.0 - 1e-4, || {
@@ -122,6 +131,10 @@ where
         let stated = self.host.pdf_direct_w(self.position, target);
         ensure(same(*pdf_w, stated, RELATIVE), || {
             format!("{}: pdf_direct_w is {stated}", at())
+        })?;
+        let leaving = self.host.pdf_emission(target, -*wi);
+        ensure(same_emission(*emission, leaving, RELATIVE), || {
+            format!("{}: {emission:?}, but pdf_emission is {leaving:?}", at())
         })?;
         let radiance = self.radiance(target, *wi);
         ensure(same_spectrum(*weight * *pdf_w, radiance, RELATIVE), || {

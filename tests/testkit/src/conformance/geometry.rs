@@ -30,11 +30,12 @@ const EDGES: f64 = 1e-3;
 /// A sentence with the first offence.
 pub fn geometry<H: Geometry + Media + Sensor>(host: &H) -> Result<(), String> {
     let mut sampler = rng(2);
+    let scale = scale(host)?;
     let mut connections = Connections::default();
     for probe in probes(host, RAYS)? {
-        check_hit(host, &probe)?;
-        check_spawn(host, &probe, &mut sampler)?;
-        connections.check(host, &probe)?;
+        check_hit(host, &probe, scale)?;
+        check_spawn(host, &probe, scale, &mut sampler)?;
+        connections.check(host, &probe, scale)?;
     }
     let Connections { tried, failed, why } = connections;
     ensure(failed as f64 <= EDGES * tried as f64, || {
@@ -42,7 +43,11 @@ pub fn geometry<H: Geometry + Media + Sensor>(host: &H) -> Result<(), String> {
     })
 }
 
-fn check_hit<H: Geometry + Media>(host: &H, probe: &Probe<H::Hit>) -> Result<(), String> {
+fn check_hit<H: Geometry + Media>(
+    host: &H,
+    probe: &Probe<H::Hit>,
+    scale: f32,
+) -> Result<(), String> {
     let Probe {
         ray,
         medium,
@@ -54,7 +59,7 @@ fn check_hit<H: Geometry + Media>(host: &H, probe: &Probe<H::Hit>) -> Result<(),
     })?;
     let surface = host.surface(hit);
     let distance = surface.position.distance(ray.at(*t));
-    ensure(distance <= NEAR * scale(host).max(*t), || {
+    ensure(distance <= NEAR * scale.max(*t), || {
         format!("{ray:?} hits at {t}, {distance} off {surface:?}")
     })?;
     let (geometric, shading) = (surface.geometric_normal, surface.shading_normal);
@@ -74,6 +79,7 @@ fn check_hit<H: Geometry + Media>(host: &H, probe: &Probe<H::Hit>) -> Result<(),
 fn check_spawn<H: Geometry + Media>(
     host: &H,
     probe: &Probe<H::Hit>,
+    scale: f32,
     sampler: &mut impl Sampler,
 ) -> Result<(), String> {
     let surface = host.surface(&probe.hit);
@@ -81,7 +87,6 @@ fn check_spawn<H: Geometry + Media>(
     if surface.geometric_normal.dot(direction).abs() < GRAZING {
         return Ok(());
     }
-    let scale = scale(host);
     let ray = host.spawn(&Anchor::Surface(probe.hit.clone()), direction);
     let distance = ray.origin.distance(surface.position);
     let sound = ray.direction.distance(direction) < 1e-5 && ray.t_max == f32::INFINITY;
@@ -113,13 +118,14 @@ impl Connections {
         &mut self,
         host: &H,
         probe: &Probe<H::Hit>,
+        scale: f32,
     ) -> Result<(), String> {
         let direction = probe.ray.direction;
         let surface = host.surface(&probe.hit);
         // Half way, so that the point is not on the surface that the ray left.
         let point = probe.ray.at(0.5 * probe.t);
         let grazing = surface.geometric_normal.dot(direction).abs() < GRAZING;
-        if grazing || 0.5 * probe.t < 10.0 * NEAR * scale(host) {
+        if grazing || 0.5 * probe.t < 10.0 * NEAR * scale {
             return Ok(());
         }
         let (here, there) = (Anchor::Point(point), Anchor::Surface(probe.hit.clone()));
@@ -129,7 +135,7 @@ impl Connections {
             let end = ray.at(ray.t_max);
             let off = end.distance(target);
             ensure(
-                is_unit(ray.direction) && off <= 10.0 * NEAR * scale(host).max(ray.t_max),
+                is_unit(ray.direction) && off <= 10.0 * NEAR * scale.max(ray.t_max),
                 || format!("{ray:?} connects to {target} and ends at {end}"),
             )?;
             self.count(host, probe, &ray);

@@ -63,13 +63,14 @@ pub(super) fn points<H: Geometry + Media + Sensor>(
     count: usize,
 ) -> Result<Vec<(Vec3, MediumId)>, String> {
     let mut sampler = rng(count as u64 + 1);
+    let scale = scale(host)?;
     let mut points: Vec<_> = probes(host, count.div_ceil(2))?
         .iter()
         .map(|p| (p.ray.at(p.t * sampler.next_1d()), p.medium))
         .collect();
     while points.len() < count {
         let (ray, medium) = sensor_ray(host, &mut sampler);
-        let end = host.intersect(&ray, medium).map_or(scale(host), |(t, _)| t);
+        let end = host.intersect(&ray, medium).map_or(scale, |(t, _)| t);
         points.push((ray.at(end * sampler.next_1d()), medium));
     }
     Ok(points)
@@ -83,14 +84,22 @@ fn sensor_ray<H: Sensor>(host: &H, sampler: &mut TestSampler) -> (Ray, MediumId)
     (start.ray, start.medium)
 }
 
-/// The diagonal of the bounds; 1 if they are empty.
-pub(super) fn scale<H: Geometry>(host: &H) -> f32 {
+/// The diagonal of the bounds; 1 if they are empty, the mean distance of hits if they are
+/// infinite.
+///
+/// # Errors
+/// As [`probes`].
+pub(super) fn scale<H: Geometry + Media + Sensor>(host: &H) -> Result<f32, String> {
     let bounds = host.bounds();
     if bounds.is_empty() {
-        1.0
-    } else {
-        bounds.size().length()
+        return Ok(1.0);
     }
+    let diagonal = bounds.size().length();
+    if diagonal.is_finite() {
+        return Ok(diagonal);
+    }
+    let probes = probes(host, 64)?;
+    Ok(probes.iter().map(|p| p.t).sum::<f32>() / probes.len() as f32)
 }
 
 /// The first surface within the ray that is not null.

@@ -4,7 +4,8 @@ use super::{ensure, is_unit, valid};
 use crate::rng;
 use tyndall_core::{Sampler, Sensor};
 
-/// Rays of the sensor are finite and of unit direction, their weights finite and not negative, for
+/// Rays of the sensor are finite and of unit direction, their weights and densities finite and not
+/// negative, for
 /// 10,000 random pixels and the corners of `u`.
 ///
 /// # Errors
@@ -33,7 +34,8 @@ pub fn sensor<H: Sensor>(host: &H) -> Result<(), String> {
         let sound = start.ray.origin.is_finite()
             && is_unit(start.ray.direction)
             && start.ray.t_max > 0.0
-            && valid(start.weight);
+            && valid(start.weight)
+            && valid(start.pdf_w);
         ensure(sound, || {
             format!("pixel {px:?}, u {u:?}: no ray of unit direction and finite weight: {start:?}")
         })?;

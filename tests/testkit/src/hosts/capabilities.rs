@@ -1,11 +1,13 @@
-//! What [`AnalyticHost`] offers to integrators: every capability but a connection to the sensor.
+//! What [`AnalyticHost`] offers to integrators: every capability; only a pinhole is a sensor
+//! that can be connected to.
 
 use super::{AnalyticHost, Boundary, BoundaryHit, INSIDE, Interface, fresnel};
 use glam::Vec3;
 use tyndall_core::{
     Aabb, Anchor, BsdfSample, DirectSample, EmissionPdf, EmissionSample, Geometry, HostTypes,
     LightDirect, LightEmission, LightPdf, Media, Medium, MediumId, PathFrom, Ray, Sensor,
-    SensorRay, Shading, ShadingPdf, Spectrum, Surface, SurfaceKind,
+    SensorConnection, SensorImportance, SensorRay, Shading, ShadingPdf, Spectrum, Surface,
+    SurfaceKind,
 };
 
 impl<M: Medium> AnalyticHost<M> {
@@ -141,7 +143,7 @@ impl<M: Medium> Media for AnalyticHost<M> {
 }
 
 impl<M: Medium> LightEmission for AnalyticHost<M> {
-    fn sample_emission(&self, u: [f32; 6]) -> Option<EmissionSample<M::Spectrum>> {
+    fn sample_emission(&self, u: [f32; 6]) -> Option<EmissionSample<M::Spectrum, BoundaryHit>> {
         self.light.sample_emission(u, |p| self.medium_at(p))
     }
 }
@@ -189,6 +191,13 @@ impl<M: Medium> Sensor for AnalyticHost<M> {
             ray,
             weight: M::Spectrum::splat(weight),
             medium: self.medium_at(ray.origin),
+            pdf_w: self.view.pdf_w(ray.direction),
         }
+    }
+}
+
+impl<M: Medium> SensorImportance for AnalyticHost<M> {
+    fn connect_sensor(&self, from: Vec3, _: [f32; 2]) -> Option<SensorConnection<M::Spectrum>> {
+        self.view.connect(from)
     }
 }

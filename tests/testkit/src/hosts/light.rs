@@ -64,11 +64,11 @@ impl<S: Spectrum> Light<S> {
     }
 
     /// `medium` is where a point of space lies.
-    pub(super) fn sample_emission(
+    pub(super) fn sample_emission<Hit>(
         &self,
         u: [f32; 6],
         medium: impl Fn(Vec3) -> MediumId,
-    ) -> Option<EmissionSample<S>> {
+    ) -> Option<EmissionSample<S, Hit>> {
         let on_disc = |center: Vec3, direction, radius| {
             let offset = warp::disk([u[1], u[2]]).extend(0.0) * radius;
             Ray::new(
@@ -77,21 +77,34 @@ impl<S: Spectrum> Light<S> {
             )
         };
         let uniform = warp::uniform_sphere([u[3], u[4]]);
-        let (ray, kind) = match *self {
+        let (source, ray, kind) = match *self {
             Self::None => return None,
-            Self::Point { position, .. } => (Ray::new(position, uniform), LightKind::Point),
+            Self::Point { position, .. } => (
+                Anchor::Point(position),
+                Ray::new(position, uniform),
+                LightKind::Point,
+            ),
             Self::Beam {
                 center,
                 direction,
                 radius,
                 ..
-            } => (on_disc(center, direction, radius), LightKind::Parallel),
+            } => (
+                Anchor::Direction(-direction),
+                on_disc(center, direction, radius),
+                LightKind::Parallel,
+            ),
             Self::Background { reach, .. } => {
                 let start = -2.0 * reach * uniform;
-                (on_disc(start, uniform, reach), LightKind::Background)
+                (
+                    Anchor::Direction(-uniform),
+                    on_disc(start, uniform, reach),
+                    LightKind::Background,
+                )
             }
         };
         Some(EmissionSample {
+            source,
             ray,
             flux: self.power(),
             pdf: self.pdf_emission(),
@@ -118,17 +131,14 @@ impl<S: Spectrum> Light<S> {
         from: Vec3,
         u: [f32; 4],
     ) -> Option<DirectSample<S, Hit>> {
-        match *self {
-            Self::None => None,
+        let (kind, target, wi, weight, pdf_w) = match *self {
+            Self::None => return None,
             Self::Point { position, power } => {
                 let (wi, distance) = (position - from).normalize_and_length();
                 let weight = power * (UNIFORM_PDF_W / (distance * distance));
-                (distance > 0.0 && weight.is_finite()).then_some(DirectSample {
-                    target: Anchor::Point(position),
-                    wi,
-                    weight,
-                    pdf_w: 0.0,
-                })
+                let lit = distance > 0.0 && weight.is_finite();
+                let target = Anchor::Point(position);
+                lit.then_some((LightKind::Point, target, wi, weight, 0.0))?
             }
             Self::Beam {
                 center,
@@ -140,23 +150,25 @@ impl<S: Spectrum> Light<S> {
                 let along = offset.dot(direction);
                 let across = offset - along * direction;
                 let lit = along > 0.0 && across.length_squared() <= radius * radius;
-                lit.then_some(DirectSample {
-                    target: Anchor::Point(center + across),
-                    wi: -direction,
-                    weight: irradiance,
-                    pdf_w: 0.0,
-                })
+                let target = Anchor::Point(center + across);
+                lit.then_some((LightKind::Parallel, target, -direction, irradiance, 0.0))?
             }
             Self::Background { radiance, .. } => {
                 let wi = warp::uniform_sphere([u[1], u[2]]);
-                Some(DirectSample {
-                    target: Anchor::Direction(wi),
-                    wi,
-                    weight: radiance / UNIFORM_PDF_W,
-                    pdf_w: UNIFORM_PDF_W,
-                })
+                let weight = radiance / UNIFORM_PDF_W;
+                let target = Anchor::Direction(wi);
+                (LightKind::Background, target, wi, weight, UNIFORM_PDF_W)
             }
-        }
+        };
+        Some(DirectSample {
+            target,
+            wi,
+            weight,
+            pdf_w,
+            emission: self.pdf_emission(),
+            cos_theta: 1.0,
+            kind,
+        })
     }
 
     /// Density of [`Light::sample_direct`] towards the background.

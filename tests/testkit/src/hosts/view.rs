@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
-use tyndall_core::{Frame, Ray, warp};
+use tyndall_core::{Frame, Ray, SensorConnection, Spectrum, warp};
 
 /// What is measured.
 #[derive(Clone, Debug)]
@@ -88,5 +88,46 @@ impl View {
                 (Ray::new(*eye, direction.normalize()), 1.0)
             }
         }
+    }
+
+    /// Density per steradian of the directions of a pinhole, cos⁻³θ over the area of the image at
+    /// distance 1; 0 for the others, which nothing connects to.
+    pub(super) fn pdf_w(&self, direction: Vec3) -> f32 {
+        match self {
+            Self::Pinhole {
+                forward,
+                half_width,
+                ..
+            } => (4.0 * half_width * half_width * direction.dot(*forward).powi(3)).recip(),
+            _ => 0.0,
+        }
+    }
+
+    /// The connection of `from` to a pinhole that sees it. Its weight is the density times the
+    /// number of pixels over the squared distance (Veach 1997, §8.2).
+    pub(super) fn connect<S: Spectrum>(&self, from: Vec3) -> Option<SensorConnection<S>> {
+        let Self::Pinhole {
+            eye,
+            forward,
+            half_width,
+            pixels,
+        } = self
+        else {
+            return None;
+        };
+        let (wi, distance) = (*eye - from).normalize_and_length();
+        let local = Frame::around(*forward).to_local(-wi);
+        let film = local.truncate() / (local.z * *half_width);
+        let raster = 0.5 * (film + 1.0) * *pixels as f32;
+        let inside = raster.min_element() >= 0.0 && raster.max_element() < *pixels as f32;
+        let pdf_w = self.pdf_w(-wi);
+        let weight = pdf_w * (*pixels as f32 / distance).powi(2);
+        (local.z > 0.0 && inside && weight.is_finite()).then(|| SensorConnection {
+            raster: raster.into(),
+            weight: S::splat(weight),
+            wi,
+            distance,
+            pdf_w,
+        })
     }
 }
