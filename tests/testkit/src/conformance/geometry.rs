@@ -68,9 +68,15 @@ fn check_hit<H: Geometry + Media>(
         format!("normals of {surface:?} are not unit vectors on the same side")
     })?;
     let meets = |end: f32| host.intersect(&ray.up_to(end), *medium).is_some();
-    ensure(meets(t * 1.001) && !meets(t * 0.999), || {
-        format!("{ray:?} hits at {t}, but not so if t_max is just behind, or if it is just before")
-    })?;
+    let slack = 1e-3 * t + NEAR * scale;
+    ensure(
+        meets(t + slack) && (*t <= slack || !meets(t - slack)),
+        || {
+            format!(
+                "{ray:?} hits at {t}, but not so if t_max is just behind, or if it is just before"
+            )
+        },
+    )?;
     ensure(host.has_null_surfaces() || host.occluded(ray), || {
         format!("{ray:?} hits at {t} but is not occluded")
     })
