@@ -79,14 +79,10 @@ impl<S: Spectrum> Film<S> {
     /// What the splats of a pass add to each value of the film, summed in `f64`; nothing where
     /// there are none. One beside the film is dropped.
     fn gather_splats(&mut self, splats: &[Splat<S>]) -> Vec<f64> {
-        let mut sums = vec![
-            0.0;
-            if splats.is_empty() {
-                0
-            } else {
-                self.mean.len()
-            }
-        ];
+        if splats.is_empty() {
+            return Vec::new();
+        }
+        let mut sums = vec![0.0; self.mean.len()];
         let [width, height] = self.resolution.map(|side| side as f32);
         for Splat { raster, value } in splats {
             let [x, y] = *raster;

@@ -17,8 +17,9 @@ const EDGES: f64 = 1e-3;
 /// Surfaces are where the rays say, rays leave them and reach them.
 ///
 /// On 4,000 hits of random walks from the sensor:
-/// - the hit lies on the ray, within it, and is met again by the ray cut just behind it, not by
-///   the ray cut just before it; normals are unit vectors on one side;
+/// - the hit lies on the ray, within it, and is met again by the ray cut behind it, not by the ray
+///   cut before it, by 1e-3 of its distance and 1e-4 of the scene's diagonal; normals are unit
+///   vectors on one side;
 /// - a spawned ray keeps its direction, starts at its surface, and does not *meet itself*: no hit
 ///   within 1e-4 of the scene's diagonal whose normal is the same (cosine above 0.999), for
 ///   directions that leave the surface at a sine above 0.01;
