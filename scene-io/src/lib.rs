@@ -13,6 +13,7 @@ mod material;
 mod media;
 mod obj;
 mod scene;
+mod sources;
 mod spectrum;
 mod vol;
 
@@ -22,5 +23,6 @@ pub use host::Hit;
 pub use image_out::{Metadata, RenderOutput, check_writable, write_exr, write_png};
 pub use material::{fresnel_conductor, fresnel_dielectric};
 pub use scene::Scene;
+pub use sources::sources;
 pub use tyndall_surface::Backend;
 pub use vol::{Volume, read_vol};
