@@ -14,6 +14,7 @@ mod media;
 mod obj;
 mod rendered;
 mod scene;
+mod sources;
 mod spectrum;
 mod vol;
 
@@ -24,5 +25,6 @@ pub use image_out::{Metadata, RenderOutput, check_writable, write_exr, write_png
 pub use material::{fresnel_conductor, fresnel_dielectric};
 pub use rendered::{RenderedImage, read_exr};
 pub use scene::Scene;
+pub use sources::sources;
 pub use tyndall_surface::Backend;
 pub use vol::{Volume, read_vol};
