@@ -20,6 +20,50 @@ pub(crate) struct Arguments {
 pub(crate) enum Command {
     /// Render a scene to an image. Ctrl-C stops after the current pass and writes the image.
     Render(RenderArguments),
+    /// Compare an image with a reference. Exits with 0 whether they agree or not: a script takes
+    /// the verdict from --json.
+    #[command(after_help = DIFF_FIGURES)]
+    Diff(DiffArguments),
+    /// Average renders of one scene with different seeds, weighted by their passes.
+    Merge(MergeArguments),
+}
+
+/// What `diff` prints.
+const DIFF_FIGURES: &str = "\
+Figures, over the pixels that are finite in both and over channels (grey counts as equal R, G, B):
+  MSE         mean of (a − b)²; b is the reference
+  relMSE      mean of (a − b)² / (b² + 0.01)
+  mean ratio  mean of a over mean of b, ± its standard error if both have variances
+  largest     |a − b|, and where
+  FLIP        what people see (if built with the feature `flip`): HDR-FLIP over ACES-mapped
+              exposures, 0 to 1
+  z-test      if both have variances, two or more passes, and no pass in common. In each channel:
+              the pixel that differs most, χ² of all pixels, and the mean. Images of one
+              expectation are found to differ with a probability of at most 0.1 %, if the means of
+              their pixels are normal: take many passes for both.";
+
+#[derive(Debug, Args)]
+pub(crate) struct DiffArguments {
+    /// The image, an EXR.
+    #[arg(value_name = "A.exr")]
+    pub(crate) image: PathBuf,
+    /// The reference, an EXR of the same size.
+    #[arg(value_name = "B.exr")]
+    pub(crate) reference: PathBuf,
+    /// For programs: JSON instead of text; what is infinite or missing is null.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct MergeArguments {
+    /// The images: of one scene, integrator and size, and of different seeds (or different passes
+    /// of a seed). A merge may be merged again.
+    #[arg(value_name = "PART.exr", required = true, num_args = 2..)]
+    pub(crate) parts: Vec<PathBuf>,
+    /// The merged image.
+    #[arg(short, long, value_name = "OUT.exr", value_parser = exr)]
+    pub(crate) output: PathBuf,
 }
 
 #[derive(Debug, Args)]

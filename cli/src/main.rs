@@ -5,15 +5,22 @@
 #![forbid(unsafe_code)]
 
 mod arguments;
+mod diff;
+mod merge;
 mod progress;
 mod render;
 
+use arguments::{Arguments, Command};
 use clap::Parser;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let arguments::Command::Render(arguments) = arguments::Arguments::parse().command;
-    match render::run(&arguments) {
+    let done = match Arguments::parse().command {
+        Command::Render(arguments) => render::run(&arguments).map_err(|e| e.to_string()),
+        Command::Diff(arguments) => diff::run(&arguments).map_err(|e| e.to_string()),
+        Command::Merge(arguments) => merge::run(&arguments).map_err(|e| e.to_string()),
+    };
+    match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             progress::message(&format!("error: {error}"));

@@ -92,6 +92,7 @@ fn render<S: Spectrum>(
         seconds: start.elapsed().as_secs_f64(),
         version: env!("CARGO_PKG_VERSION").into(),
         notes: notes(config, &film, cancelled.load(Ordering::Relaxed)),
+        ..Metadata::default()
     };
     write(arguments, &film, &metadata)?;
     message(&format!(

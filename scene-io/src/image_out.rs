@@ -1,9 +1,11 @@
 //! Images to files: complete or not at all.
 
 mod exr_file;
+mod passes;
 mod png_file;
 
 pub use exr_file::write_exr;
+pub use passes::PassRange;
 pub use png_file::write_png;
 
 use crate::Error;
@@ -32,12 +34,19 @@ pub struct RenderOutput<'a, S> {
 pub struct Metadata {
     /// The scene file.
     pub scene: String,
+    /// Of all that the picture depends on but the integrator and the seed; empty if unknown.
+    /// Images of one fingerprint, integrator and size may be merged.
+    pub fingerprint: String,
     /// The integrator and its settings.
     pub integrator: String,
-    /// Seed of the random numbers.
+    /// Seed of the random numbers; of a merge, that of the first of `parts`.
     pub seed: u64,
+    /// The first pass: random numbers depend on the seed and the pass.
+    pub first_pass: u64,
     /// Passes that were averaged.
     pub passes: u64,
+    /// Of a merge, the passes of every render in it; empty for one render.
+    pub parts: Vec<PassRange>,
     /// Wall-clock seconds.
     pub seconds: f64,
     /// Version of the program.

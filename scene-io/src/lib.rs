@@ -21,7 +21,7 @@ mod vol;
 pub use error::{Error, Place};
 pub use file::{IntegratorConfig, Scattering, SceneFile};
 pub use host::Hit;
-pub use image_out::{Metadata, RenderOutput, check_writable, write_exr, write_png};
+pub use image_out::{Metadata, PassRange, RenderOutput, check_writable, write_exr, write_png};
 pub use material::{fresnel_conductor, fresnel_dielectric};
 pub use rendered::{RenderedImage, read_exr};
 pub use scene::Scene;

@@ -30,12 +30,6 @@ pub struct RenderedImage {
     pub variance: Option<Vec<Vec<f32>>>,
     /// Samples that a pixel took.
     pub samples: Option<Vec<f32>>,
-    /// Reflectance of what is seen first: planes R, G, B.
-    pub albedo: Option<Vec<Vec<f32>>>,
-    /// Normal of what is seen first: planes X, Y, Z.
-    pub normal: Option<Vec<Vec<f32>>>,
-    /// Distance of what is seen first.
-    pub depth: Option<Vec<f32>>,
     /// How it came to be, as far as the file says: `passes` is 0 if it does not.
     pub metadata: Metadata,
 }
@@ -82,9 +76,6 @@ pub fn read_exr(path: &Path) -> Result<RenderedImage, Error> {
         radiance: planes.take(&selection.radiance),
         variance: selection.variance.map(|channels| planes.take(&channels)),
         samples: selection.samples.map(|channel| planes.take_one(channel)),
-        albedo: selection.albedo.map(|channels| planes.take(&channels)),
-        normal: selection.normal.map(|channels| planes.take(&channels)),
-        depth: selection.depth.map(|channel| planes.take_one(channel)),
         metadata: attributes,
     })
 }

@@ -48,7 +48,11 @@ pub(crate) fn largest(pair: &Pair<'_>) -> Largest {
         values.map(move |((a, b), &pixel)| (c, pixel, a, b))
     });
     let farther = |x: (usize, usize, f64, f64), y: (usize, usize, f64, f64)| {
-        if (y.2 - y.3).abs() > (x.2 - x.3).abs() { y } else { x }
+        if (y.2 - y.3).abs() > (x.2 - x.3).abs() {
+            y
+        } else {
+            x
+        }
     };
     let (channel, pixel, image, reference) = all.reduce(farther).unwrap_or_default();
     Largest {

@@ -88,7 +88,11 @@ fn shown(image: &RenderedImage, scale: f64) -> FlipImageRgb8 {
 
 /// [`ACES`], then the curve of sRGB (IEC 61966-2-1).
 fn encode(x: f64) -> u8 {
-    let x = if x.is_finite() { x.clamp(0.0, 1e6) } else { 0.0 };
+    let x = if x.is_finite() {
+        x.clamp(0.0, 1e6)
+    } else {
+        0.0
+    };
     let [a, b, c, d, e] = ACES;
     let y = ((a * x * x + b * x) / (c * x * x + d * x + e)).clamp(0.0, 1.0);
     let encoded = if y <= 0.003_130_8 {

@@ -47,20 +47,34 @@ impl<'a> Pair<'a> {
         let sizes = [image, reference].map(|i| [i.width, i.height]);
         if sizes[0] != sizes[1] {
             let (image, reference) = files();
-            return Err(Mismatch::Size { image, reference, sizes });
+            return Err(Mismatch::Size {
+                image,
+                reference,
+                sizes,
+            });
         }
         let positions = [image.position, reference.position];
         if positions[0] != positions[1] {
             let (image, reference) = files();
-            return Err(Mismatch::Position { image, reference, positions });
+            return Err(Mismatch::Position {
+                image,
+                reference,
+                positions,
+            });
         }
         let planes = || image.radiance.iter().chain(&reference.radiance);
         let all = image.radiance[0].len();
-        let pixels: Vec<_> = (0..all).filter(|&i| planes().all(|p| p[i].is_finite())).collect();
+        let pixels: Vec<_> = (0..all)
+            .filter(|&i| planes().all(|p| p[i].is_finite()))
+            .collect();
         if pixels.is_empty() {
             return Err(Mismatch::NotFinite(arguments.image.clone()));
         }
-        Ok(Self { image, reference, pixels })
+        Ok(Self {
+            image,
+            reference,
+            pixels,
+        })
     }
 
     /// Names of the channels.

@@ -62,7 +62,11 @@ impl fmt::Display for Report {
         writeln!(f, "{} against {}", self.image, self.reference)?;
         writeln!(f, "pixels      {width} × {height}, {channels}")?;
         if self.left_out > 0 {
-            writeln!(f, "not finite  {} pixels, left out of all figures", self.left_out)?;
+            writeln!(
+                f,
+                "not finite  {} pixels, left out of all figures",
+                self.left_out
+            )?;
         }
         writeln!(f, "MSE         {:.4e}", self.mse)?;
         writeln!(f, "relMSE      {:.4e} (ε = {EPSILON})", self.rel_mse)?;
@@ -113,11 +117,7 @@ impl fmt::Display for Verdict {
 impl fmt::Display for ZTest {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let rate = 100.0 * self.false_alarm;
-        writeln!(
-            f,
-            "z-test      {} (false alarms: {rate} %)",
-            self.verdict
-        )?;
+        writeln!(f, "z-test      {} (false alarms: {rate} %)", self.verdict)?;
         self.channels.iter().try_for_each(|c| writeln!(f, "{c}"))
     }
 }
@@ -135,8 +135,20 @@ impl fmt::Display for Channel {
             100.0 * self.beyond_2,
             100.0 * self.beyond_3
         )?;
-        writeln!(f, "    largest z {largest} at ({x}, {y}), p {:.1e} in one pixel", self.largest_p)?;
-        writeln!(f, "    χ²        {:.1} of {freedom} expected, p {:.1e}", self.chi2, self.chi2_p)?;
-        write!(f, "    mean      {mean} standard errors, p {:.1e}", self.mean_p)
+        writeln!(
+            f,
+            "    largest z {largest} at ({x}, {y}), p {:.1e} in one pixel",
+            self.largest_p
+        )?;
+        writeln!(
+            f,
+            "    χ²        {:.1} of {freedom} expected, p {:.1e}",
+            self.chi2, self.chi2_p
+        )?;
+        write!(
+            f,
+            "    mean      {mean} standard errors, p {:.1e}",
+            self.mean_p
+        )
     }
 }

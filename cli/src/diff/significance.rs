@@ -56,7 +56,9 @@ pub(crate) fn test(pair: &Pair<'_>) -> Result<ZTest, String> {
         return Err("it needs `tyndall.passes` of 2 or more in both images".into());
     }
     if let Some(shared) = a.shared_passes(b) {
-        return Err(format!("it needs independent images, and both hold {shared}"));
+        return Err(format!(
+            "it needs independent images, and both hold {shared}"
+        ));
     }
     let names = pair.channels();
     let each = sidak(FALSE_ALARM, TESTS * names.len());
@@ -65,7 +67,11 @@ pub(crate) fn test(pair: &Pair<'_>) -> Result<ZTest, String> {
         .collect();
     let differ = channels.iter().any(|c| c.verdict == Verdict::Differ) || pair.left_out() > 0;
     Ok(ZTest {
-        verdict: if differ { Verdict::Differ } else { Verdict::Agree },
+        verdict: if differ {
+            Verdict::Differ
+        } else {
+            Verdict::Agree
+        },
         false_alarm: FALSE_ALARM,
         channels,
     })
@@ -92,7 +98,11 @@ fn judge(pair: &Pair<'_>, name: &'static str, found: &ImageComparison, each: f64
     let finite = |x: f64| x.is_finite().then_some(x);
     Channel {
         channel: name,
-        verdict: if differ { Verdict::Differ } else { Verdict::Agree },
+        verdict: if differ {
+            Verdict::Differ
+        } else {
+            Verdict::Agree
+        },
         beyond_2: found.beyond[0],
         beyond_3: found.beyond[1],
         largest: finite(found.max_z),

@@ -12,8 +12,9 @@ use tyndall_core::Spectrum;
 /// Writes radiance and variance as 32-bit floats.
 ///
 /// Channels are `R`, `G`, `B` or, with one channel, `Y`; the variance of the mean is `variance.R`
-/// and so on. Metadata are attributes `tyndall.scene`, `.integrator`, `.seed`, `.passes`,
-/// `.seconds`, `.version` and `.notes` (one a line).
+/// and so on. Metadata are attributes `tyndall.scene`, `.fingerprint`, `.integrator`, `.seed`,
+/// `.first_pass` (if not 0), `.passes`, `.parts` (of a merge: a line of seed, first pass and passes
+/// each), `.seconds`, `.version` and `.notes` (one a line).
 ///
 /// # Errors
 /// [`Error::Write`]; a file that was there before is untouched then.
@@ -52,10 +53,17 @@ pub fn write_exr<S: Spectrum>(path: &Path, output: &RenderOutput<'_, S>) -> Resu
 }
 
 fn described(metadata: &Metadata) -> impl Iterator<Item = (Text, AttributeValue)> {
+    let first_pass = match metadata.first_pass {
+        0 => String::new(),
+        pass => pass.to_string(),
+    };
     let texts = [
         ("scene", metadata.scene.clone()),
+        ("fingerprint", metadata.fingerprint.clone()),
         ("integrator", metadata.integrator.clone()),
         ("seed", metadata.seed.to_string()),
+        ("first_pass", first_pass),
+        ("parts", metadata.parts_text()),
         ("passes", metadata.passes.to_string()),
         ("seconds", metadata.seconds.to_string()),
         ("version", metadata.version.clone()),

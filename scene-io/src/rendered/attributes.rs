@@ -1,6 +1,6 @@
 //! How an image came to be, from the attributes of an EXR file.
 
-use crate::Metadata;
+use crate::{Metadata, PassRange};
 use exr::meta::attribute::AttributeValue;
 use exr::meta::header::Header;
 use std::str::FromStr;
@@ -10,9 +10,12 @@ pub(super) fn read(header: &Header) -> Result<Metadata, String> {
     let text = |key: &str| attribute(header, &format!("tyndall.{key}"));
     Ok(Metadata {
         scene: text("scene"),
+        fingerprint: text("fingerprint"),
         integrator: text("integrator"),
         seed: number("seed", &text("seed"))?,
+        first_pass: number("first_pass", &text("first_pass"))?,
         passes: number("passes", &text("passes"))?,
+        parts: parts(&text("parts"))?,
         seconds: number("seconds", &text("seconds"))?,
         version: text("version"),
         notes: text("notes").lines().map(str::to_owned).collect(),
@@ -40,4 +43,9 @@ fn number<T: FromStr + Default>(key: &str, text: &str) -> Result<T, String> {
     text.parse().map_err(|_| {
         format!("its attribute `tyndall.{key}` is {text:?}, no number: render the image again")
     })
+}
+
+fn parts(text: &str) -> Result<Vec<PassRange>, String> {
+    let parts: Result<_, String> = text.lines().map(str::parse).collect();
+    parts.map_err(|e| format!("its attribute `tyndall.parts` is damaged: {e}"))
 }

@@ -9,7 +9,6 @@ const PICTURES: [&str; 6] = ["combined", "beauty", "rgb", "rgba", "color", "colo
 const FEATURES: [&str; 2] = ["variance", "albedo"];
 
 const RGB: [&str; 3] = ["R", "G", "B"];
-const XYZ: [&str; 3] = ["X", "Y", "Z"];
 
 /// A part of the file, and its channels by index.
 pub(super) struct Selection {
@@ -17,9 +16,6 @@ pub(super) struct Selection {
     pub(super) radiance: Vec<usize>,
     pub(super) variance: Option<Vec<usize>>,
     pub(super) samples: Option<usize>,
-    pub(super) albedo: Option<Vec<usize>>,
-    pub(super) normal: Option<Vec<usize>>,
-    pub(super) depth: Option<usize>,
 }
 
 /// A layer with colours: its part, and what stands before `R`, `G`, `B` or `Y` in their names.
@@ -45,18 +41,13 @@ impl Selection {
             radiance,
             variance: find("variance", layer.names),
             samples: one("samples", "Y"),
-            albedo: find("albedo", &RGB),
-            normal: find("normal", &XYZ),
-            depth: one("depth", "Z"),
         })
     }
 
     /// All channels that are wanted.
     pub(super) fn channels(&self) -> impl Iterator<Item = usize> + '_ {
-        let layers = [&self.variance, &self.albedo, &self.normal];
-        let layers = layers.into_iter().flatten().flatten();
-        let single = [self.samples, self.depth].into_iter().flatten();
-        (self.radiance.iter().chain(layers).copied()).chain(single)
+        let variance = self.variance.iter().flatten();
+        (self.radiance.iter().chain(variance).copied()).chain(self.samples)
     }
 }
 

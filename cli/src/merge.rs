@@ -1,0 +1,118 @@
+//! `tyndall merge`.
+
+mod check;
+
+use crate::arguments::MergeArguments;
+use crate::progress::message;
+use check::{Refusal, independent, same_picture};
+use std::path::{Path, PathBuf};
+use tyndall_core::{Rgb, Spectrum};
+use tyndall_driver::{DifferentResolution, Film};
+use tyndall_scene_io::{
+    Metadata, RenderOutput, RenderedImage, check_writable, read_exr, write_exr,
+};
+
+/// Why images were not merged.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Error {
+    #[error(transparent)]
+    Image(#[from] tyndall_scene_io::Error),
+    #[error(transparent)]
+    Refusal(#[from] Refusal),
+    #[error(transparent)]
+    Size(#[from] DifferentResolution),
+}
+
+/// Averages images and writes the result.
+pub(crate) fn run(arguments: &MergeArguments) -> Result<(), Error> {
+    check_writable(&arguments.output)?;
+    let (first, rest) = (&arguments.parts[0], &arguments.parts[1..]);
+    let image = read_exr(first)?;
+    match image.radiance.len() {
+        1 => merge::<f32>(first, &image, rest, &arguments.output),
+        _ => merge::<Rgb>(first, &image, rest, &arguments.output),
+    }
+}
+
+/// Adds the other parts to the first, one in memory at a time.
+fn merge<S: Spectrum>(
+    first_path: &Path,
+    first: &RenderedImage,
+    rest: &[PathBuf],
+    output: &Path,
+) -> Result<(), Error> {
+    let mut film = film::<S>(first_path, first)?;
+    let mut parts = vec![(first_path, first.metadata.clone())];
+    for path in rest {
+        let image = read_exr(path)?;
+        same_picture((first_path, first), (path, &image))?;
+        for (other, metadata) in &parts {
+            independent((other, metadata), (path, &image.metadata))?;
+        }
+        film.merge(&self::film(path, &image)?)?;
+        parts.push((path, image.metadata));
+    }
+    let metadata = described(parts.into_iter().map(|(_, metadata)| metadata).collect());
+    write(&film, &metadata, output)?;
+    message(&format!(
+        "{}: {} passes of {} images, relative error {:.2} %",
+        output.display(),
+        film.passes(),
+        rest.len() + 1,
+        100.0 * film.relative_error(),
+    ));
+    Ok(())
+}
+
+/// The passes behind an image.
+fn film<S: Spectrum>(path: &Path, image: &RenderedImage) -> Result<Film<S>, Refusal> {
+    let variance = check::marked(path, image)?;
+    let interleaved = |planes: &[Vec<f32>]| -> Vec<f64> {
+        let pixels = 0..planes[0].len();
+        pixels
+            .flat_map(|i| planes.iter().map(move |plane| f64::from(plane[i])))
+            .collect()
+    };
+    Ok(Film::from_image(
+        [image.width, image.height],
+        image.metadata.passes,
+        interleaved(&image.radiance),
+        &interleaved(variance),
+    ))
+}
+
+/// How the merge came to be.
+fn described(parts: Vec<Metadata>) -> Metadata {
+    let mut notes: Vec<String> = Vec::new();
+    for note in parts.iter().flat_map(|part| &part.notes) {
+        if !notes.contains(note) {
+            notes.push(note.clone());
+        }
+    }
+    let mut merged = Metadata {
+        seconds: parts.iter().map(|part| part.seconds).sum(),
+        version: env!("CARGO_PKG_VERSION").into(),
+        notes,
+        ..parts[0].clone()
+    };
+    merged.set_pass_ranges(parts.iter().flat_map(Metadata::pass_ranges).collect());
+    merged
+}
+
+fn write<S: Spectrum>(film: &Film<S>, metadata: &Metadata, path: &Path) -> Result<(), Error> {
+    let spectra = |values: Vec<f64>| -> Vec<S> {
+        let pixels = values.chunks_exact(S::CHANNELS);
+        pixels
+            .map(|pixel| S::from_channels(|i| pixel[i] as f32))
+            .collect()
+    };
+    let [width, height] = film.resolution();
+    let output = RenderOutput {
+        width,
+        height,
+        radiance: &spectra(film.mean().to_vec()),
+        variance: &spectra(film.variance_of_mean().collect()),
+        metadata,
+    };
+    Ok(write_exr(path, &output)?)
+}
