@@ -1,5 +1,9 @@
 //! What the fuzz targets share.
 
+mod images;
+
+pub use images::exr_images;
+
 use cap::Cap;
 use std::path::Path;
 use std::{alloc::System, fs};
