@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use tyndall_core::{Rgb, Spectrum};
 use tyndall_driver::{DifferentResolution, Film};
 use tyndall_scene_io::{
-    Metadata, RenderOutput, RenderedImage, check_writable, read_exr, write_exr,
+    Features, Metadata, RenderOutput, RenderedImage, check_writable, read_exr, write_exr,
 };
 
 /// Why images were not merged.
@@ -42,6 +42,7 @@ fn merge<S: Spectrum>(
     output: &Path,
 ) -> Result<(), Error> {
     let mut film = film::<S>(first_path, first)?;
+    let mut features = first.features.clone();
     let mut parts = vec![(first_path, first.metadata.clone())];
     for path in rest {
         let image = read_exr(path)?;
@@ -50,10 +51,25 @@ fn merge<S: Spectrum>(
             independent((other, metadata), (path, &image.metadata))?;
         }
         film.merge(&self::film(path, &image)?)?;
+        if let (Some(ours), Some(theirs)) = (&mut features, &image.features) {
+            let share = image.metadata.passes as f64 / film.passes() as f64;
+            average(ours, theirs, share as f32);
+        }
         parts.push((path, image.metadata));
     }
-    let metadata = described(parts.into_iter().map(|(_, metadata)| metadata).collect());
-    write(&film, &metadata, output)?;
+    let [width, height] = film.resolution();
+    write_exr(
+        output,
+        &RenderOutput {
+            width,
+            height,
+            radiance: &spectra::<S>(film.mean().to_vec()),
+            variance: &spectra::<S>(film.variance_of_mean().collect()),
+            features: features.as_ref(),
+            view: first.view.as_ref(),
+            metadata: &described(parts.into_iter().map(|(_, metadata)| metadata).collect()),
+        },
+    )?;
     message(&format!(
         "{}: {} passes of {} images, relative error {:.2} %",
         output.display(),
@@ -99,20 +115,27 @@ fn described(parts: Vec<Metadata>) -> Metadata {
     merged
 }
 
-fn write<S: Spectrum>(film: &Film<S>, metadata: &Metadata, path: &Path) -> Result<(), Error> {
-    let spectra = |values: Vec<f64>| -> Vec<S> {
-        let pixels = values.chunks_exact(S::CHANNELS);
-        pixels
-            .map(|pixel| S::from_channels(|i| pixel[i] as f32))
-            .collect()
-    };
-    let [width, height] = film.resolution();
-    let output = RenderOutput {
-        width,
-        height,
-        radiance: &spectra(film.mean().to_vec()),
-        variance: &spectra(film.variance_of_mean().collect()),
-        metadata,
-    };
-    Ok(write_exr(path, &output)?)
+/// Moves features towards those of another part, which has this share of the samples. Depth is a
+/// mean over what was met: where one part met nothing, it is that of the other.
+fn average(ours: &mut Features, theirs: &Features, share: f32) {
+    for (ours, theirs) in ours.albedo.iter_mut().zip(&theirs.albedo) {
+        *ours += (*theirs - *ours) * share;
+    }
+    for (ours, theirs) in ours.normal.iter_mut().zip(&theirs.normal) {
+        *ours += (*theirs - *ours) * share;
+    }
+    for (ours, theirs) in ours.depth.iter_mut().zip(&theirs.depth) {
+        if ours.is_infinite() {
+            *ours = *theirs;
+        } else if theirs.is_finite() {
+            *ours += (*theirs - *ours) * share;
+        }
+    }
+}
+
+fn spectra<S: Spectrum>(values: Vec<f64>) -> Vec<S> {
+    let pixels = values.chunks_exact(S::CHANNELS);
+    pixels
+        .map(|pixel| S::from_channels(|i| pixel[i] as f32))
+        .collect()
 }

@@ -62,6 +62,8 @@ fn ours() -> Vec<u8> {
         height: 2,
         radiance: &radiance,
         variance: &radiance,
+        features: None,
+        view: None,
         metadata: &metadata,
     };
     write_exr(&path, &output).expect("the folder is writable");

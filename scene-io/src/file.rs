@@ -1,6 +1,7 @@
 //! Scene files: TOML in, a checked description out.
 
 mod document;
+mod film;
 mod light;
 mod material;
 mod medium;
@@ -107,7 +108,7 @@ impl SceneFile {
             media_names: names.iter().map(|&name| name.into()).collect(),
             materials,
             parts: placed.into_iter().map(|p| p.place(origin)).collect(),
-            lights: lights(&table, origin)?,
+            lights: lights(&table, folder, origin)?,
             origin,
             integrator: view::read_integrator(table.optional("integrator").as_ref())?,
         })
@@ -122,6 +123,7 @@ impl SceneFile {
             self.materials[part.material].bsdf.map(&mut see);
         }
         self.lights.iter().for_each(|light| see(light.colour));
+        grey &= self.lights.iter().all(|light| light.source.is_grey());
         grey && self.media.iter().all(MediumDescription::is_grey)
     }
 
@@ -215,11 +217,13 @@ fn materials_and_shapes(
     Ok((reader.materials, reader.placed))
 }
 
-fn lights(table: &Table<'_>, origin: DVec3) -> Result<Vec<Light<Rgb>>, Error> {
+fn lights(table: &Table<'_>, folder: &Path, origin: DVec3) -> Result<Vec<Light<Rgb>>, Error> {
     let fields = listed(table, "lights")?;
     let listed = fields.iter().map(|field| light::read(field, origin));
     let environment = table.optional("environment");
-    let environment = environment.iter().map(light::read_environment);
+    let environment = environment
+        .iter()
+        .map(|field| light::read_environment(field, folder));
     listed.chain(environment).collect()
 }
 

@@ -3,7 +3,9 @@
 
 mod boundary;
 mod camera;
+mod environment_image;
 mod error;
+mod features;
 mod file;
 mod host;
 mod image_out;
@@ -19,9 +21,12 @@ mod spectrum;
 mod vol;
 
 pub use error::{Error, Place};
+pub use features::Features;
 pub use file::{IntegratorConfig, Scattering, SceneFile};
 pub use host::Hit;
-pub use image_out::{Metadata, PassRange, RenderOutput, check_writable, write_exr, write_png};
+pub use image_out::{
+    Metadata, PassRange, RenderOutput, View, check_writable, write_exr, write_png,
+};
 pub use material::{fresnel_conductor, fresnel_dielectric};
 pub use rendered::{RenderedImage, read_exr};
 pub use scene::Scene;

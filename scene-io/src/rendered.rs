@@ -4,11 +4,15 @@ mod attributes;
 mod channels;
 mod pixels;
 
-use crate::{Error, Metadata};
+use crate::{Error, Features, Metadata, View};
 use channels::Selection;
+use exr::meta::header::Header;
+use glam::Vec3;
+use pixels::Planes;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
+use tyndall_core::Rgb;
 
 /// A rendered image, as [`write_exr`](crate::write_exr) or another renderer wrote it.
 ///
@@ -30,6 +34,10 @@ pub struct RenderedImage {
     pub variance: Option<Vec<Vec<f32>>>,
     /// Samples that a pixel took.
     pub samples: Option<Vec<f32>>,
+    /// What the sensor's rays meet first.
+    pub features: Option<Features>,
+    /// The camera, if the file describes one.
+    pub view: Option<View>,
     /// How it came to be, as far as the file says: `passes` is 0 if it does not.
     pub metadata: Metadata,
 }
@@ -59,23 +67,62 @@ pub fn read_exr(path: &Path) -> Result<RenderedImage, Error> {
     let reader = exr::block::read(BufReader::new(file), false)
         .map_err(|e| wrong(format!("is no EXR file that can be read: {e}")))?;
     let selection = Selection::of(reader.headers()).map_err(wrong)?;
-    let header = &reader.headers()[selection.part];
-    let attributes = attributes::read(header).map_err(wrong)?;
-    let position = header.own_attributes.layer_position;
-    let picture = header.shared_attributes.display_window;
-    let (width, height) = (header.layer_size.width(), header.layer_size.height());
+    let header = reader.headers()[selection.part].clone();
+    let metadata = attributes::read(&header).map_err(wrong)?;
     let mut planes = pixels::read(reader, length, &selection).map_err(wrong)?;
+    let position = position(&header);
+    let picture = header.shared_attributes.display_window.size;
     Ok(RenderedImage {
-        width: width as u32,
-        height: height as u32,
-        position: [
-            position.x().saturating_sub(picture.position.x()),
-            position.y().saturating_sub(picture.position.y()),
-        ],
-        picture: [picture.size.width() as u32, picture.size.height() as u32],
+        width: header.layer_size.width() as u32,
+        height: header.layer_size.height() as u32,
+        position,
+        picture: [picture.width() as u32, picture.height() as u32],
         radiance: planes.take(&selection.radiance),
         variance: selection.variance.map(|channels| planes.take(&channels)),
         samples: selection.samples.map(|channel| planes.take_one(channel)),
-        metadata: attributes,
+        features: selection
+            .features
+            .map(|channels| features(&mut planes, channels)),
+        view: view(&header),
+        metadata,
+    })
+}
+
+/// Where the first pixel is in the whole picture.
+fn position(header: &Header) -> [i32; 2] {
+    let first = header.own_attributes.layer_position;
+    let picture = header.shared_attributes.display_window.position;
+    [
+        first.x().saturating_sub(picture.x()),
+        first.y().saturating_sub(picture.y()),
+    ]
+}
+
+fn features(planes: &mut Planes, channels: [usize; 7]) -> Features {
+    let [r, g, b, x, y, z, depth] = channels.map(|channel| planes.take_one(channel));
+    let triples = |a: Vec<f32>, b: Vec<f32>, c: Vec<f32>| a.into_iter().zip(b).zip(c);
+    Features {
+        albedo: (triples(r, g, b))
+            .map(|((r, g), b)| Rgb::new(r, g, b))
+            .collect(),
+        normal: (triples(x, y, z))
+            .map(|((x, y), z)| Vec3::new(x, y, z))
+            .collect(),
+        depth,
+    }
+}
+
+/// The camera that `write_exr` describes.
+fn view(header: &Header) -> Option<View> {
+    let matrix = header.own_attributes.world_to_camera?;
+    let [x, y] = position(header).map(u32::try_from);
+    let picture = header.shared_attributes.display_window.size;
+    let column = |i: usize| Vec3::new(matrix[i], matrix[4 + i], matrix[8 + i]);
+    Some(View {
+        picture: [picture.width() as u32, picture.height() as u32],
+        offset: [x.ok()?, y.ok()?],
+        axes: [column(0), column(1), column(2)],
+        shift: Vec3::new(matrix[12], matrix[13], matrix[14]),
+        screen_width: header.own_attributes.screen_window_width,
     })
 }

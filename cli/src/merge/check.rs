@@ -96,7 +96,7 @@ pub(super) fn same_picture(
 fn layers(image: &RenderedImage) -> Vec<&'static str> {
     let all = [
         ("variance", image.variance.is_some()),
-        ("samples", image.samples.is_some()),
+        ("features", image.features.is_some()),
     ];
     let present = all.into_iter().filter(|(_, present)| *present);
     present.map(|(name, _)| name).collect()

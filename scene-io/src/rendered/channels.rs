@@ -16,6 +16,8 @@ pub(super) struct Selection {
     pub(super) radiance: Vec<usize>,
     pub(super) variance: Option<Vec<usize>>,
     pub(super) samples: Option<usize>,
+    /// Albedo, normal, depth.
+    pub(super) features: Option<[usize; 7]>,
 }
 
 /// A layer with colours: its part, and what stands before `R`, `G`, `B` or `Y` in their names.
@@ -35,20 +37,32 @@ impl Selection {
         };
         let radiance = find(&layer.prefix, layer.names)
             .ok_or("its channels are not those that its header lists")?;
-        let one = |layer, name| find(layer, &[name]).map(|channels| channels[0]);
         Ok(Self {
             part: layer.part,
             radiance,
             variance: find("variance", layer.names),
-            samples: one("samples", "Y"),
+            samples: find("samples", &["Y"]).map(|channels| channels[0]),
+            features: features(&find),
         })
     }
 
     /// All channels that are wanted.
     pub(super) fn channels(&self) -> impl Iterator<Item = usize> + '_ {
         let variance = self.variance.iter().flatten();
-        (self.radiance.iter().chain(variance).copied()).chain(self.samples)
+        let features = self.features.iter().flatten();
+        let planes = self.radiance.iter().chain(variance).chain(features);
+        planes.copied().chain(self.samples)
     }
+}
+
+/// The channels of all features, or none.
+fn features(find: &impl Fn(&str, &[&str]) -> Option<Vec<usize>>) -> Option<[usize; 7]> {
+    let layers = [
+        find("albedo", &RGB)?,
+        find("normal", &["X", "Y", "Z"])?,
+        find("depth", &["Z"])?,
+    ];
+    layers.concat().try_into().ok()
 }
 
 /// The layer that is the picture.
