@@ -12,7 +12,7 @@ mod metallic_roughness;
 mod rough_dielectric;
 
 pub use fresnel::{fresnel_conductor, fresnel_dielectric};
-pub(crate) use maps::{AlphaMode, Map, Maps, NormalMap};
+pub(crate) use maps::{AlphaMode, Map, Maps, NormalMap, ScalarMap};
 pub(crate) use metallic_roughness::MetallicRoughness;
 
 use glam::Vec3;

@@ -19,6 +19,21 @@ impl Map {
     }
 }
 
+/// One channel of a texture.
+#[derive(Clone, Debug)]
+pub(crate) struct ScalarMap {
+    pub(crate) map: Map,
+    /// 0 to 3: red, green, blue, alpha.
+    pub(crate) channel: usize,
+}
+
+impl ScalarMap {
+    /// The number at the texture coordinates of a surface.
+    pub(crate) fn lookup(&self, uv: Vec2) -> f32 {
+        self.map.lookup(uv)[self.channel]
+    }
+}
+
 /// A normal map as glTF has them: red to the right, green up, blue out.
 #[derive(Clone, Debug)]
 pub(crate) struct NormalMap {
@@ -46,16 +61,18 @@ pub(crate) enum AlphaMode {
 /// constants of the material.
 #[derive(Clone, Debug)]
 pub(crate) struct Maps {
-    /// Base colour or reflectance; its alpha counts, see [`AlphaMode`].
+    /// Base colour or reflectance; red, green and blue count.
     pub(crate) base_color: Option<Map>,
-    /// Green is roughness, blue is metallic.
-    pub(crate) metallic_roughness: Option<Map>,
-    /// Red.
-    pub(crate) transmission: Option<Map>,
+    /// In glTF the green of a texture.
+    pub(crate) roughness: Option<ScalarMap>,
+    /// In glTF the blue of the same.
+    pub(crate) metallic: Option<ScalarMap>,
+    /// In glTF the red of a texture.
+    pub(crate) transmission: Option<ScalarMap>,
     pub(crate) normal: Option<NormalMap>,
     pub(crate) emission: Option<Map>,
-    /// Alpha, or red of an image that has none.
-    pub(crate) alpha_map: Option<Map>,
+    /// In glTF the alpha of the texture of the base colour.
+    pub(crate) alpha_map: Option<ScalarMap>,
     /// Factor of alpha.
     pub(crate) alpha: f32,
     pub(crate) alpha_mode: AlphaMode,
@@ -65,7 +82,8 @@ impl Default for Maps {
     fn default() -> Self {
         Self {
             base_color: None,
-            metallic_roughness: None,
+            roughness: None,
+            metallic: None,
             transmission: None,
             normal: None,
             emission: None,
