@@ -15,6 +15,7 @@ mod obj;
 mod scene;
 mod sources;
 mod spectrum;
+mod texture;
 mod vol;
 
 pub use error::{Error, Place};
