@@ -1,30 +1,35 @@
-//! `tyndall`: renders scenes with participating media.
-//!
-//! Exit codes: 0 done (a render stopped by Ctrl-C that wrote its image included), 1 the scene, the
-//! render or the output failed, 2 the command line was wrong, 130 a second Ctrl-C did not wait.
+//! `tyndall`: renders scenes with participating media. `tyndall --help` lists the exit codes.
 #![forbid(unsafe_code)]
 
 mod arguments;
+mod checkpoint;
 mod diff;
+mod failure;
+mod inspect;
+mod keeper;
 mod merge;
+mod preview;
 mod progress;
 mod render;
 
 use arguments::{Arguments, Command};
-use clap::Parser;
+use clap::{CommandFactory, Parser};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
     let done = match Arguments::parse().command {
-        Command::Render(arguments) => render::run(&arguments).map_err(|e| e.to_string()),
-        Command::Diff(arguments) => diff::run(&arguments).map_err(|e| e.to_string()),
-        Command::Merge(arguments) => merge::run(&arguments).map_err(|e| e.to_string()),
+        Command::Render(arguments) => render::run(&arguments),
+        Command::Diff(arguments) => diff::run(&arguments),
+        Command::Merge(arguments) => merge::run(&arguments),
+        Command::Inspect(arguments) => inspect::run(&arguments),
+        Command::Completions { shell } => {
+            let mut command = Arguments::command();
+            clap_complete::generate(shell, &mut command, "tyndall", &mut std::io::stdout());
+            Ok(())
+        }
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            progress::message(&format!("error: {error}"));
-            ExitCode::FAILURE
-        }
+        Err(error) => error.report(),
     }
 }

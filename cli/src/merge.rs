@@ -2,25 +2,30 @@
 
 mod check;
 
-use crate::arguments::MergeArguments;
+use crate::arguments::exr;
+use crate::failure::Error;
 use crate::progress::message;
-use check::{Refusal, independent, same_picture};
+use check::{independent, same_picture};
+use clap::Args;
 use std::path::{Path, PathBuf};
 use tyndall_core::{Rgb, Spectrum};
-use tyndall_driver::{DifferentResolution, Film};
+use tyndall_driver::Film;
 use tyndall_scene_io::{
     Features, Metadata, RenderOutput, RenderedImage, check_writable, read_exr, write_exr,
 };
 
-/// Why images were not merged.
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum Error {
-    #[error(transparent)]
-    Image(#[from] tyndall_scene_io::Error),
-    #[error(transparent)]
-    Refusal(#[from] Refusal),
-    #[error(transparent)]
-    Size(#[from] DifferentResolution),
+pub(crate) use check::Refusal;
+
+/// The command line.
+#[derive(Debug, Args)]
+pub(crate) struct MergeArguments {
+    /// The images: of one scene, integrator and size, and of different seeds (or different passes
+    /// of a seed). A merge may be merged again.
+    #[arg(value_name = "PART.exr", required = true, num_args = 2..)]
+    parts: Vec<PathBuf>,
+    /// The merged image.
+    #[arg(short, long, value_name = "OUT.exr", value_parser = exr)]
+    output: PathBuf,
 }
 
 /// Averages images and writes the result.

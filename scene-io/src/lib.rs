@@ -18,6 +18,7 @@ mod rendered;
 mod scene;
 mod sources;
 mod spectrum;
+mod texture;
 mod vol;
 
 pub use error::{Error, Place};

@@ -1,6 +1,6 @@
 //! Two images whose pixels correspond.
 
-use crate::arguments::DiffArguments;
+use super::DiffArguments;
 use std::path::PathBuf;
 use tyndall_scene_io::RenderedImage;
 

@@ -1,9 +1,9 @@
 //! The figures, for people and for programs.
 
+use super::DiffArguments;
 use super::errors::{EPSILON, Largest, Ratio, largest, mean_squares, ratios};
 use super::pair::Pair;
 use super::significance::{Channel, Verdict, ZTest, test};
-use crate::arguments::DiffArguments;
 use serde::Serialize;
 use std::fmt;
 

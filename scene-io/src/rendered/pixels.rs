@@ -58,7 +58,7 @@ pub(super) fn read(
     });
     let damaged = |e: exr::error::Error| format!("is damaged or cut off: {e}");
     (chunks.map_err(damaged)?)
-        .decompress_parallel(false, |meta, block| {
+        .decompress_sequential(false, |meta, block| {
             pixels += block.index.pixel_size.area();
             for line in block.lines(&meta.headers[selection.part].channels) {
                 let channel = line.location.channel;
