@@ -9,7 +9,7 @@ use tyndall_scene_io::RenderedImage;
 /// Display luminance that the brightest and the median pixel are exposed to.
 const EXPOSED: f64 = 0.85;
 
-/// Hill's fit of ACES: y = (0.6²·2.51·x² + 0.6·0.03·x) / (0.6²·2.43·x² + 0.6·0.59·x + 0.14).
+/// Narkowicz's (2016) fit of ACES, as FLIP has it: y = (0.6²·2.51·x² + 0.6·0.03·x) / (0.6²·2.43·x² + 0.6·0.59·x + 0.14).
 const ACES: [f64; 5] = [0.9036, 0.018, 0.8748, 0.354, 0.14];
 
 /// Exposures beyond this are stretched over it.
@@ -18,7 +18,7 @@ const MAX_EXPOSURES: usize = 40;
 /// HDR-FLIP (Andersson et al. 2021): the largest LDR-FLIP of every pixel over exposures.
 ///
 /// Both images are tone-mapped by ACES at exposures one stop apart, from the one at which the
-/// reference's brightest pixel maps to 0.85 to the one at which its median pixel does, rounded to
+/// reference's brightest pixel maps to 0.85 to the one at which its median lit pixel does, rounded to
 /// 8 bits in sRGB, and compared at 67 pixels a degree. What is not finite is black.
 #[derive(Debug, Serialize)]
 pub(crate) struct Flip {

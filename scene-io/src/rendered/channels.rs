@@ -70,6 +70,12 @@ fn picture(headers: &[Header]) -> Result<Layer<'_>, String> {
     let mut layers = coloured(headers, &RGB);
     layers.extend(coloured(headers, &["Y"]));
     layers.sort_by_key(|layer| rank(headers, layer));
+    if layers
+        .first()
+        .is_some_and(|layer| chroma(&headers[layer.part], layer))
+    {
+        return Err("is a luminance beside chroma: write the picture as R, G, B".into());
+    }
     let best = layers.first().map(|layer| rank(headers, layer));
     match (best, layers.len()) {
         (Some(0 | 1), _) | (_, 1) => Ok(layers.swap_remove(0)),
@@ -85,6 +91,11 @@ fn picture(headers: &[Header]) -> Result<Layer<'_>, String> {
             ))
         }
     }
+}
+
+/// Whether a grey layer has its colours in channels of differences.
+fn chroma(header: &Header, layer: &Layer<'_>) -> bool {
+    layer.names.len() == 1 && index(header, &join(&layer.prefix, "RY")).is_some()
 }
 
 /// 0 for a picture without a prefix, 1 for one called so, 2 for what may be one.
