@@ -57,24 +57,24 @@ pub(super) fn marked<'a>(path: &Path, image: &'a RenderedImage) -> Result<&'a [V
     Err(Refusal::Unmarked { path, problem })
 }
 
-/// Whether an image shows what the first shows, by the same method.
+/// Whether an image shows what the first shows, by the same method, and says what a merge must know.
 pub(super) fn same_picture(
     (first, ours): (&Path, &RenderedImage),
     (path, theirs): (&Path, &RenderedImage),
 ) -> Result<(), Refusal> {
-    let different = |what, ours: &dyn Debug, theirs: &dyn Debug| Refusal::Different {
-        path: path.to_owned(),
-        first: first.to_owned(),
-        what,
-        theirs: format!("{theirs:?}"),
-        ours: format!("{ours:?}"),
-    };
+    marked(path, theirs)?;
+    // Numbers and texts that are written alike are alike.
     let same = |what, ours: &dyn Debug, theirs: &dyn Debug| {
-        // What is written alike is alike: numbers and texts.
-        if format!("{ours:?}") == format!("{theirs:?}") {
-            Ok(())
-        } else {
-            Err(different(what, ours, theirs))
+        let [ours, theirs] = [ours, theirs].map(|value| format!("{value:?}"));
+        match ours == theirs {
+            true => Ok(()),
+            false => Err(Refusal::Different {
+                path: path.to_owned(),
+                first: first.to_owned(),
+                what,
+                theirs,
+                ours,
+            }),
         }
     };
     let (a, b) = (&ours.metadata, &theirs.metadata);
