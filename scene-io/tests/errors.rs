@@ -155,7 +155,7 @@ const BAD: &[(&str, &str, &str, &str)] = &[
         "fov = 45",
         "kind = 'orthographic'",
         "camera",
-        "`width` is missing",
+        "elsewhere: `width` is missing",
     ),
     (
         "fov = 45",
