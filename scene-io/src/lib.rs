@@ -14,6 +14,7 @@ mod media;
 mod obj;
 mod scene;
 mod spectrum;
+mod texture;
 mod vol;
 
 pub use error::{Error, Place};
