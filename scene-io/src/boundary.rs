@@ -140,7 +140,12 @@ impl Boundaries {
         let Some(&narrowest) = state.members.iter().min_by_key(fewest) else {
             return self.all().collect();
         };
-        let meets = |b: &u32| state.members.iter().all(|&m| m == *b || self.overlap(m, *b));
+        let meets = |b: &u32| {
+            state
+                .members
+                .iter()
+                .all(|&m| m == *b || self.overlap(m, *b))
+        };
         let near = &self.meeting[narrowest as usize];
         let mut crossed: Vec<_> = near.iter().copied().filter(meets).collect();
         crossed.push(narrowest);
@@ -233,7 +238,10 @@ impl Boundaries {
 
     fn outside_with(&self, base: Option<usize>) -> MediumId {
         let bare = |s: &State| s.members.is_empty() && s.base == base;
-        let found = self.outside.iter().find(|id| bare(&self.states[id.0 as usize]));
+        let found = self
+            .outside
+            .iter()
+            .find(|id| bare(&self.states[id.0 as usize]));
         found.copied().unwrap_or(self.ambient)
     }
 
@@ -302,7 +310,10 @@ fn meeting(boundaries: &[Boundary]) -> Option<Vec<Vec<u32>>> {
     for b in order {
         let here = &boundaries[b as usize];
         open.retain(|&a| boundaries[a as usize].bounds.max[axis] >= start(b));
-        for &a in open.iter().filter(|&&a| overlap(&boundaries[a as usize], here)) {
+        for &a in open
+            .iter()
+            .filter(|&&a| overlap(&boundaries[a as usize], here))
+        {
             meeting[a as usize].push(b);
             meeting[b as usize].push(a);
             pairs += 1;
