@@ -146,7 +146,10 @@ impl SceneFile {
         let mut see = |colour| grey &= is_grey(colour);
         for part in &self.parts {
             see(part.emission);
-            self.materials[part.material].bsdf.map(&mut see);
+            self.materials[part.material].bsdf.map(|colour| {
+                see(colour);
+                colour
+            });
         }
         self.lights.iter().for_each(|light| see(light.colour));
         grey && self.media.iter().all(MediumDescription::is_grey)
