@@ -1,6 +1,7 @@
 //! Scene files: TOML in, a checked description out.
 
 mod document;
+mod film;
 mod include;
 mod light;
 mod material;
@@ -133,7 +134,10 @@ impl SceneFile {
             media_names,
             materials,
             parts,
-            lights: lights(&table, origin)?.into_iter().chain(lamps).collect(),
+            lights: lights(&table, folder, origin)?
+                .into_iter()
+                .chain(lamps)
+                .collect(),
             origin,
             integrator: view::read_integrator(table.optional("integrator").as_ref())?,
             notices: included.notices().collect(),
@@ -152,6 +156,7 @@ impl SceneFile {
             });
         }
         self.lights.iter().for_each(|light| see(light.colour));
+        grey &= self.lights.iter().all(|light| light.source.is_grey());
         grey && self.media.iter().all(MediumDescription::is_grey)
     }
 
@@ -252,11 +257,13 @@ fn materials_and_shapes<'a>(
     Ok(reader)
 }
 
-fn lights(table: &Table<'_>, origin: DVec3) -> Result<Vec<Light<Rgb>>, Error> {
+fn lights(table: &Table<'_>, folder: &Path, origin: DVec3) -> Result<Vec<Light<Rgb>>, Error> {
     let fields = listed(table, "lights")?;
     let listed = fields.iter().map(|field| light::read(field, origin));
     let environment = table.optional("environment");
-    let environment = environment.iter().map(light::read_environment);
+    let environment = environment
+        .iter()
+        .map(|field| light::read_environment(field, folder));
     listed.chain(environment).collect()
 }
 

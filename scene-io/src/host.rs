@@ -107,7 +107,7 @@ impl Point {
 }
 
 impl<S: Spectrum> Scene<S> {
-    fn bsdf(&self, hit: &Hit) -> &Bsdf<S> {
+    pub(crate) fn bsdf(&self, hit: &Hit) -> &Bsdf<S> {
         &self.looks[hit.shape.shape as usize].bsdf
     }
 }
@@ -161,8 +161,8 @@ impl<S: Spectrum> Shading for Scene<S> {
         }
     }
 
-    fn background(&self, _: Vec3) -> S {
-        self.lights.background()
+    fn background(&self, direction: Vec3) -> S {
+        self.lights.background(direction)
     }
 }
 
@@ -226,8 +226,9 @@ impl<S: Spectrum> Sensor for Scene<S> {
     }
 
     fn sensor_ray(&self, px: [u32; 2], u: [f32; 4]) -> SensorRay<S> {
-        let ray = self.camera.ray(px, u);
+        let (ray, weight) = self.camera.ray(px, u);
         SensorRay {
+            weight: S::splat(weight),
             pdf_w: self.camera.pdf_w(ray.direction),
             ..SensorRay::new(ray, self.camera_medium)
         }

@@ -3,7 +3,9 @@
 
 mod boundary;
 mod camera;
+mod environment_image;
 mod error;
+mod features;
 mod file;
 mod gltf;
 mod host;
@@ -19,9 +21,10 @@ mod texture;
 mod vol;
 
 pub use error::{Error, Place};
+pub use features::Features;
 pub use file::{IntegratorConfig, Scattering, SceneFile};
 pub use host::Hit;
-pub use image_out::{Metadata, RenderOutput, check_writable, write_exr, write_png};
+pub use image_out::{Metadata, RenderOutput, View, check_writable, write_exr, write_png};
 pub use material::{fresnel_conductor, fresnel_dielectric};
 pub use scene::Scene;
 pub use tyndall_surface::Backend;

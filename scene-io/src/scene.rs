@@ -7,7 +7,7 @@ use crate::light::{Area, Light, Lights, Source, World};
 use crate::locate::boundaries_around;
 use crate::material::Bsdf;
 use crate::spectrum::convert;
-use crate::{Error, Place};
+use crate::{Error, Place, View};
 use glam::{DVec3, Vec3};
 use tyndall_core::{Aabb, Anchor, MediumId, Spectrum};
 use tyndall_media::AnyMedium;
@@ -68,7 +68,7 @@ impl<S: Spectrum> Scene<S> {
             looks,
             media: media.map_err(|e| problem(e.to_string()))?,
             boundaries,
-            camera: file.camera,
+            camera: file.camera.clone(),
             camera_medium,
             bounds,
             origin: file.origin,
@@ -79,6 +79,11 @@ impl<S: Spectrum> Scene<S> {
     /// `f64`, when they are loaded.
     pub fn origin(&self) -> DVec3 {
         self.origin
+    }
+
+    /// What an image file says of the camera.
+    pub fn view(&self) -> View {
+        self.camera.view(self.origin)
     }
 
     /// The medium around a point.
@@ -160,7 +165,7 @@ fn lights<S: Spectrum>(
 ) -> Vec<Light<S>> {
     let locate = |p| locate(p, surfaces, boundaries);
     let listed = file.lights.iter().map(|light| {
-        let mut light = light.map(convert);
+        let mut light = light.clone().map(convert);
         light.source.immerse(locate);
         light
     });

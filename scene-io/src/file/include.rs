@@ -3,7 +3,7 @@
 use super::document::{Node, Value};
 use super::reader::{Field, Table};
 use super::shape::{self, transform};
-use crate::gltf::{self, Lamp, Loaded, Options, SceneChoice, View};
+use crate::gltf::{self, Lamp, Loaded, Options, Projection, SceneChoice, View};
 use crate::media::MediumDescription;
 use crate::{Error, Place};
 use std::collections::BTreeMap;
@@ -213,12 +213,17 @@ fn complete(scene: &mut BTreeMap<String, Node>, view: &View, place: &Place) {
         add(camera, "position", vector(view.position));
         add(camera, "look_at", vector(view.position + view.forward));
         add(camera, "up", vector(view.up));
-        let half = (0.5 * view.yfov).tan() * width / height;
-        add(
-            camera,
-            "fov",
-            Value::Float((2.0 * half.atan()).to_degrees()),
-        );
+        let keys = ["fov", "vertical_fov", "width", "height"];
+        match view.projection {
+            _ if keys.iter().any(|&key| camera.contains_key(key)) => {}
+            Projection::Perspective { yfov } => {
+                add(camera, "vertical_fov", Value::Float(yfov.to_degrees()));
+            }
+            Projection::Orthographic { height } => {
+                add(camera, "kind", Value::String("orthographic".into()));
+                add(camera, "height", Value::Float(height));
+            }
+        }
     }
     scene.insert("camera".into(), camera);
     scene.insert("film".into(), film);

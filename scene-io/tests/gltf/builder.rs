@@ -37,7 +37,10 @@ impl Builder {
     /// A node of the scene.
     pub fn node(&mut self, node: Value) -> usize {
         let index = self.push("nodes", node);
-        self.json["scenes"][0]["nodes"].as_array_mut().unwrap().push(json!(index));
+        self.json["scenes"][0]["nodes"]
+            .as_array_mut()
+            .unwrap()
+            .push(json!(index));
         index
     }
 
@@ -62,7 +65,11 @@ impl Builder {
 
     /// An accessor of floats.
     pub fn floats<const N: usize>(&mut self, values: &[[f32; N]]) -> usize {
-        let bytes: Vec<u8> = values.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
+        let bytes: Vec<u8> = values
+            .iter()
+            .flatten()
+            .flat_map(|x| x.to_le_bytes())
+            .collect();
         let view = self.view(&bytes, None);
         let kind = ["SCALAR", "VEC2", "VEC3", "VEC4"][N - 1];
         self.accessor(view, 5126, kind, values.len())
@@ -108,10 +115,12 @@ impl Builder {
             [0, 2, 3, 1],
             [4, 5, 7, 6],
         ];
-        let indices: Vec<u16> = faces.iter().flat_map(|&[a, b, c, d]| [a, b, c, a, c, d]).collect();
+        let indices: Vec<u16> = faces
+            .iter()
+            .flat_map(|&[a, b, c, d]| [a, b, c, a, c, d])
+            .collect();
         let indices = self.indices(&indices);
-        let mut primitive =
-            json!({ "attributes": { "POSITION": positions }, "indices": indices });
+        let mut primitive = json!({ "attributes": { "POSITION": positions }, "indices": indices });
         if let Some(material) = material {
             primitive["material"] = json!(material);
         }
