@@ -116,7 +116,8 @@ impl SceneFile {
             });
         }
         self.lights.iter().for_each(|light| see(light.colour));
-        grey && self.media.iter().all(MediumDescription::is_grey)
+        let textured = |part: &Part| self.materials[part.material].maps.are_grey();
+        grey && self.parts.iter().all(textured) && self.media.iter().all(MediumDescription::is_grey)
     }
 
     /// Which integrator the file asks for.

@@ -9,6 +9,8 @@ mod host;
 mod image_out;
 mod light;
 mod locate;
+mod look;
+mod mapping;
 mod material;
 mod media;
 mod obj;
@@ -19,7 +21,7 @@ mod vol;
 
 pub use error::{Error, Place};
 pub use file::{IntegratorConfig, Scattering, SceneFile};
-pub use host::Hit;
+pub use host::{Hit, Presence};
 pub use image_out::{Metadata, RenderOutput, check_writable, write_exr, write_png};
 pub use material::{fresnel_conductor, fresnel_dielectric};
 pub use scene::Scene;

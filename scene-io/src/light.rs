@@ -26,12 +26,12 @@ use tyndall_core::{
     Aabb, Anchor, DirectSample, EmissionPdf, EmissionSample, Frame, LightKind, MediumId, Ray,
     Spectrum, warp,
 };
-use tyndall_surface::Surfaces;
+use tyndall_surface::{ShapeHit, Surfaces};
 
 /// A source of light: all it sends is in proportion to its colour.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Light<S> {
-    /// See the kinds for what it is the colour of.
+    /// See the kinds for what it is the colour of; of a textured surface the mean.
     pub(crate) colour: S,
     pub(crate) source: Source,
 }
@@ -168,6 +168,7 @@ impl<S: Spectrum> Lights<S> {
         &self,
         [u0, u1, u2, u3, u4, _]: [f32; 6],
         surfaces: &Surfaces,
+        radiance: impl Fn(&ShapeHit) -> S,
         locate: impl Fn(Vec3) -> MediumId,
     ) -> Option<EmissionSample<S, Hit>> {
         let (i, pmf) = self.choice.sample(u0)?;
@@ -180,10 +181,11 @@ impl<S: Spectrum> Lights<S> {
             Source::Area(light) => light.sample_emission([u1, u2, u3, u4], surfaces, locate),
             Source::Environment(light) => light.sample_emission([u1, u2, u3, u4], world, ambient),
         };
-        Some(EmissionSample {
+        let flux = self.colour(i, &sample.source, radiance) * (sample.flux / pmf);
+        (!flux.is_black()).then_some(EmissionSample {
             source: sample.source,
             ray: sample.ray,
-            flux: self.lights[i].colour * (sample.flux / pmf),
+            flux,
             pdf: chosen(sample.pdf, pmf),
             cos_theta: sample.cos_theta,
             kind: sample.kind,
@@ -196,6 +198,7 @@ impl<S: Spectrum> Lights<S> {
         from: Vec3,
         [u0, u1, u2, _]: [f32; 4],
         surfaces: &Surfaces,
+        radiance: impl Fn(&ShapeHit) -> S,
     ) -> Option<DirectSample<S, Hit>> {
         let (i, pmf) = self.choice.sample(u0)?;
         let sample = match &self.lights[i].source {
@@ -206,7 +209,7 @@ impl<S: Spectrum> Lights<S> {
             Source::Area(light) => light.sample_direct(from, [u1, u2], surfaces)?,
             Source::Environment(light) => light.sample_direct([u1, u2], self.world),
         };
-        let weight = self.lights[i].colour * (sample.weight / pmf);
+        let weight = self.colour(i, &sample.target, radiance) * (sample.weight / pmf);
         (weight.is_finite() && !weight.is_black()).then_some(DirectSample {
             target: sample.target,
             wi: sample.wi,
@@ -216,6 +219,14 @@ impl<S: Spectrum> Lights<S> {
             cos_theta: sample.cos_theta,
             kind: sample.kind,
         })
+    }
+
+    /// The colour of light `i` at a point of it; `radiance` is that of surfaces.
+    fn colour(&self, i: usize, at: &Anchor<Hit>, radiance: impl Fn(&ShapeHit) -> S) -> S {
+        match at {
+            Anchor::Surface(hit) => radiance(&hit.shape),
+            _ => self.lights[i].colour,
+        }
     }
 
     /// See [`tyndall_core::LightDirect::pivot`].
