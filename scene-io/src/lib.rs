@@ -5,6 +5,7 @@ mod boundary;
 mod camera;
 mod error;
 mod file;
+mod gltf;
 mod host;
 mod image_out;
 mod light;
