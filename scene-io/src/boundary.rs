@@ -246,18 +246,18 @@ impl Boundaries {
     }
 
     /// Index of refraction inside `b` over that outside, in a path that is in state `here`; 1 if
-    /// the interface is false, or the boundary has no index of its own.
-    pub(crate) fn relative_ior(&self, b: u32, here: MediumId) -> f32 {
+    /// the boundary has no index of its own. `None` if the interface is false.
+    pub(crate) fn relative_ior(&self, b: u32, here: MediumId) -> Option<f32> {
         let Some(inside) = self.ranked[b as usize].ior else {
-            return 1.0;
+            return Some(1.0);
         };
         let members = (self.states.get(here.0 as usize)).map_or(&[][..], |s| &s.members);
         if members.iter().any(|&m| self.hides(m, b)) {
-            return 1.0;
+            return None;
         }
         let mut around = members.iter().rev().filter(|&&m| m != b);
         let outside = around.find_map(|&m| self.ranked[m as usize].ior);
-        inside / outside.unwrap_or(1.0)
+        Some(inside / outside.unwrap_or(1.0))
     }
 
     /// Whether the surface of `b` is not there inside of `a`.
@@ -359,15 +359,15 @@ mod tests {
         let [glass, water] = [0, 1].map(|s| table.of_shape(s).unwrap());
         let air = table.ambient();
         assert_eq!(air, MediumId::VACUUM);
-        assert_eq!(table.relative_ior(glass, air), 1.5);
+        assert_eq!(table.relative_ior(glass, air), Some(1.5));
         let in_glass = table.across(glass, true, air);
         assert_eq!(table.medium(in_glass), Some(0));
         // Inside the wall, the surface of the water is not there.
-        assert_eq!(table.relative_ior(water, in_glass), 1.0);
+        assert_eq!(table.relative_ior(water, in_glass), None);
         let in_both = table.across(water, true, in_glass);
         assert_eq!(table.medium(in_both), Some(0));
         // Leaving the wall into the water: glass against water.
-        assert_eq!(table.relative_ior(glass, in_both), 1.5 / 1.33);
+        assert_eq!(table.relative_ior(glass, in_both), Some(1.5 / 1.33));
         let in_water = table.across(glass, false, in_both);
         assert_eq!(table.medium(in_water), Some(1));
         assert_eq!(table.across(water, false, in_water), air);
@@ -382,7 +382,7 @@ mod tests {
         let in_fog = table.across(fog, true, table.ambient());
         let in_ball = table.across(ball, true, in_fog);
         assert_eq!(table.medium(in_ball), Some(1));
-        assert_eq!(table.relative_ior(ball, in_fog), 1.5);
+        assert_eq!(table.relative_ior(ball, in_fog), Some(1.5));
         assert!(!table.may_be_null(ball) && table.may_be_null(fog));
     }
 
@@ -401,13 +401,13 @@ mod tests {
             (table.relative_ior(glass, in_smoke), table.medium(in_both))
         };
         let tied = table(smoke.clone());
-        assert_eq!(into_glass(&tied), (1.5, Some(1)));
+        assert_eq!(into_glass(&tied), (Some(1.5), Some(1)));
         assert!(!tied.may_be_null(tied.of_shape(0).unwrap()));
         let first = table(Boundary {
             priority: 1,
             ..smoke
         });
-        assert_eq!(into_glass(&first), (1.0, Some(1)));
+        assert_eq!(into_glass(&first), (None, Some(1)));
     }
 
     #[test]

@@ -157,7 +157,8 @@ impl SceneFile {
         }
         self.lights.iter().for_each(|light| see(light.colour));
         grey &= self.lights.iter().all(|light| light.source.is_grey());
-        grey && self.media.iter().all(MediumDescription::is_grey)
+        let textured = |part: &Part| self.materials[part.material].maps.are_grey();
+        grey && self.parts.iter().all(textured) && self.media.iter().all(MediumDescription::is_grey)
     }
 
     /// What of the files was left out, a line each: for people to read.

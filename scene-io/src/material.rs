@@ -107,7 +107,8 @@ impl<S: Spectrum> Bsdf<S> {
     pub(crate) fn albedo(&self) -> S {
         match *self {
             Self::Diffuse(reflectance) => reflectance,
-            Self::RoughConductor { eta, k, .. } => conductor::reflectance(1.0, eta, k),
+            Self::RoughConductor(m) => conductor::reflectance(1.0, m.eta, m.k),
+            Self::MetallicRoughness(m) if !m.is_body() => m.base_color,
             _ => S::splat(1.0),
         }
     }

@@ -324,26 +324,16 @@ fn affine(transform: &TextureTransform) -> Affine2 {
     )
 }
 
-/// Clear and frosted glass are told by name: what they reflect is exact, and smooth glass has no
-/// lobes to sample.
+/// Smooth clear glass goes by its own name: it costs less.
 fn simplest(constants: MetallicRoughness<Rgb>, maps: &Maps) -> Bsdf<Rgb> {
-    let MetallicRoughness {
-        base_color,
-        metallic,
-        roughness,
-        ior,
-        transmission,
-        thin,
-    } = constants;
     let varies = maps.base_color.is_some()
         || maps.roughness.is_some()
         || maps.metallic.is_some()
         || maps.transmission.is_some();
-    let clear = transmission == 1.0 && metallic == 0.0 && base_color == Rgb::new(1.0, 1.0, 1.0);
-    let alpha = roughness * roughness;
-    match alpha {
-        _ if thin || varies || !clear => Bsdf::MetallicRoughness(constants),
-        1e-3.. => Bsdf::RoughDielectric { ior, alpha },
-        _ => Bsdf::Dielectric { ior },
+    let ior = constants.ior;
+    if !varies && constants == MetallicRoughness::glass(ior, 0.0) {
+        Bsdf::Dielectric { ior }
+    } else {
+        Bsdf::MetallicRoughness(constants)
     }
 }
