@@ -65,7 +65,7 @@ impl SceneFile {
     /// The first thing that is wrong: its place, its key and the mend.
     pub fn load(path: &Path, overrides: &[(String, String)]) -> Result<Self, Error> {
         if include::is_gltf(path) {
-            return Self::overridden(path, include::scene_of(path), overrides, true);
+            return Self::overridden(path, include::scene_of(path)?, overrides, true);
         }
         let text = std::fs::read_to_string(path).map_err(|source| Error::Read {
             path: path.to_owned(),
