@@ -25,6 +25,9 @@ const INTERRUPTED: i32 = 130;
 /// Renders and writes.
 pub(crate) fn run(arguments: &RenderArguments) -> Result<(), Error> {
     let file = SceneFile::load(&arguments.scene, &arguments.set)?;
+    for notice in file.notices() {
+        message(&format!("notice: {notice}"));
+    }
     check_writable(&arguments.output)?;
     if let Some(png) = &arguments.png {
         check_writable(png)?;

@@ -66,8 +66,9 @@ impl<S: Spectrum> Scene<S> {
             if self.surface_kind(&hit) != SurfaceKind::Null {
                 let surface = self.surface(&hit);
                 let facing = -surface.geometric_normal.dot(ray.direction);
+                let albedo = self.bsdf(&hit).map_or(S::splat(1.0), |b| b.albedo());
                 return Some(Feature {
-                    albedo: rgb(self.bsdf(&hit).albedo()),
+                    albedo: rgb(albedo),
                     normal: surface.shading_normal * 1.0_f32.copysign(facing),
                     depth: start.ray.origin.distance(surface.position),
                 });

@@ -7,10 +7,13 @@ mod environment_image;
 mod error;
 mod features;
 mod file;
+mod gltf;
 mod host;
 mod image_out;
 mod light;
 mod locate;
+mod look;
+mod mapping;
 mod material;
 mod media;
 mod obj;
@@ -24,7 +27,7 @@ mod vol;
 pub use error::{Error, Place};
 pub use features::Features;
 pub use file::{IntegratorConfig, Scattering, SceneFile};
-pub use host::Hit;
+pub use host::{Hit, Presence};
 pub use image_out::{
     Metadata, PassRange, RenderOutput, View, check_writable, write_exr, write_png,
 };

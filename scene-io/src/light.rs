@@ -27,12 +27,12 @@ use tyndall_core::{
     Aabb, Anchor, DirectSample, EmissionPdf, EmissionSample, Frame, LightKind, MediumId, Ray,
     Spectrum, warp,
 };
-use tyndall_surface::Surfaces;
+use tyndall_surface::{ShapeHit, Surfaces};
 
 /// A source of light: all it sends is in proportion to its colour.
 #[derive(Clone, Debug)]
 pub(crate) struct Light<S> {
-    /// See the kinds for what it is the colour of.
+    /// See the kinds for what it is the colour of; of a textured surface the mean.
     pub(crate) colour: S,
     pub(crate) source: Source,
 }
@@ -168,6 +168,7 @@ impl<S: Spectrum> Lights<S> {
         &self,
         [u0, u1, u2, u3, u4, u5]: [f32; 6],
         surfaces: &Surfaces,
+        radiance: impl Fn(&ShapeHit) -> S,
         locate: impl Fn(Vec3) -> MediumId,
     ) -> Option<EmissionSample<S, Hit>> {
         let (i, pmf) = self.choice.sample(u0)?;
@@ -183,11 +184,11 @@ impl<S: Spectrum> Lights<S> {
                 light.sample_emission([u1, u2, u3, u4, u5], world, ambient)?
             }
         };
-        let colour = light.colour_from(-sample.ray.direction);
-        Some(EmissionSample {
+        let flux = self.colour(i, &sample.source, radiance) * (sample.flux / pmf);
+        (!flux.is_black()).then_some(EmissionSample {
             source: sample.source,
             ray: sample.ray,
-            flux: colour * (sample.flux / pmf),
+            flux,
             pdf: chosen(sample.pdf, pmf),
             cos_theta: sample.cos_theta,
             kind: sample.kind,
@@ -200,6 +201,7 @@ impl<S: Spectrum> Lights<S> {
         from: Vec3,
         [u0, u1, u2, u3]: [f32; 4],
         surfaces: &Surfaces,
+        radiance: impl Fn(&ShapeHit) -> S,
     ) -> Option<DirectSample<S, Hit>> {
         let (i, pmf) = self.choice.sample(u0)?;
         let light = &self.lights[i];
@@ -211,7 +213,7 @@ impl<S: Spectrum> Lights<S> {
             Source::Area(light) => light.sample_direct(from, [u1, u2], surfaces)?,
             Source::Environment(light) => light.sample_direct([u1, u2, u3], self.world)?,
         };
-        let weight = light.colour_from(sample.wi) * (sample.weight / pmf);
+        let weight = self.colour(i, &sample.target, radiance) * (sample.weight / pmf);
         (weight.is_finite() && !weight.is_black()).then_some(DirectSample {
             target: sample.target,
             wi: sample.wi,
@@ -221,6 +223,15 @@ impl<S: Spectrum> Lights<S> {
             cos_theta: sample.cos_theta,
             kind: sample.kind,
         })
+    }
+
+    /// The colour of light `i` at a point of it; `radiance` is that of surfaces.
+    fn colour(&self, i: usize, at: &Anchor<Hit>, radiance: impl Fn(&ShapeHit) -> S) -> S {
+        match at {
+            Anchor::Surface(hit) => radiance(&hit.shape),
+            Anchor::Direction(w) => self.lights[i].colour_from(*w),
+            Anchor::Point(_) => self.lights[i].colour,
+        }
     }
 
     /// See [`tyndall_core::LightDirect::pivot`].
