@@ -15,6 +15,7 @@ mod obj;
 mod scene;
 mod sources;
 mod spectrum;
+mod summary;
 mod texture;
 mod vol;
 
@@ -25,5 +26,9 @@ pub use image_out::{Metadata, RenderOutput, check_writable, write_exr, write_png
 pub use material::{fresnel_conductor, fresnel_dielectric};
 pub use scene::Scene;
 pub use sources::sources;
+pub use summary::{
+    CameraSummary, Caustics, GeometrySummary, LightSummary, MediumSummary, Needed, Summary,
+    TransportSummary,
+};
 pub use tyndall_surface::Backend;
 pub use vol::{Volume, read_vol};
