@@ -131,7 +131,9 @@ fn channels([r, g, b]: &[f32; 3]) -> String {
     }
 }
 
-fn point([x, y, z]: &[f64; 3]) -> String {
+fn point(p: &[f64; 3]) -> String {
+    // −0 is 0 to a reader.
+    let [x, y, z] = p.map(|x| x + 0.0);
     format!("[{x:.4}, {y:.4}, {z:.4}]")
 }
 

@@ -33,8 +33,8 @@ impl Bench {
         command
             .args(["render", &scene, "-o"])
             .arg(self.path(output))
-            .args(["--set", "film.width=20", "--set", "film.height=20"])
-            .args(["--threads", "2", "--checkpoint-interval", "0.001s"])
+            .args(["--set", "film.width=12", "--set", "film.height=12"])
+            .args(["--threads", "2"])
             .args(more)
             .stderr(Stdio::piped());
         command
@@ -51,9 +51,10 @@ impl Bench {
         pixels(&self.path("whole.exr"))
     }
 
+    /// A render that leaves a checkpoint after every pass.
     fn start(&self, more: &[&str]) -> Child {
-        let passes = ["--passes", self.passes];
-        let mut command = self.command("out.exr", &[&passes[..], more].concat());
+        let often = ["--passes", self.passes, "--checkpoint-interval", "0.001s"];
+        let mut command = self.command("out.exr", &[&often[..], more].concat());
         command.spawn().expect("the command runs")
     }
 
@@ -84,7 +85,11 @@ fn said(output: &Output) -> String {
 fn pixels(path: &Path) -> AnyChannels<FlatSamples> {
     let reader = read().no_deep_data().largest_resolution_level();
     let reader = reader.all_channels().first_valid_layer().all_attributes();
-    reader.from_file(path).expect("an image").layer_data.channel_data
+    reader
+        .from_file(path)
+        .expect("an image")
+        .layer_data
+        .channel_data
 }
 
 fn wait_for(path: &Path) {
@@ -111,7 +116,7 @@ fn left() -> (Bench, Vec<u8>) {
 
 #[test]
 fn killed_at_twenty_random_moments_it_ends_with_the_same_bits() {
-    let bench = Bench::new("600");
+    let bench = Bench::new("200");
     let whole = bench.whole();
     assert!(bench.run("out.exr", &["--passes", "1"]).status.success());
     let old = fs::read(bench.path("out.exr")).expect("an image");
@@ -119,7 +124,9 @@ fn killed_at_twenty_random_moments_it_ends_with_the_same_bits() {
     let (mut kills, mut continued) = (0, 0);
     for _ in 0..100 {
         let mut child = bench.start(&["--resume"]);
-        random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        random = random
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
         sleep(Duration::from_millis(30 + (random >> 33) % 90));
         child.kill().expect("a process");
         let done = child.wait_with_output().expect("an end");
@@ -137,10 +144,13 @@ fn killed_at_twenty_random_moments_it_ends_with_the_same_bits() {
     }
     assert_eq!(kills, 20);
     assert!(continued > 5, "only {continued} went on from a checkpoint");
-    let done = bench.start(&["--resume"]).wait_with_output().expect("an end");
+    let done = bench
+        .start(&["--resume"])
+        .wait_with_output()
+        .expect("an end");
     assert!(done.status.success(), "{}", said(&done));
     assert!(pixels(&bench.path("out.exr")) == whole);
-    let again = bench.run("out.exr", &["--passes", "600"]);
+    let again = bench.run("out.exr", &["--passes", "200"]);
     assert!(again.status.success(), "{}", said(&again));
     assert!(pixels(&bench.path("out.exr")) == whole, "a second run");
     let names = bench.names();
@@ -150,13 +160,19 @@ fn killed_at_twenty_random_moments_it_ends_with_the_same_bits() {
 
 #[test]
 fn ctrl_c_leaves_an_image_and_a_checkpoint_that_ends_with_the_same_bits() {
-    let bench = Bench::new("1500");
+    let bench = Bench::new("400");
     let whole = bench.whole();
     let stopped = said(&bench.interrupted(&[]));
     assert!(stopped.contains("--resume goes on"), "{stopped}");
-    assert!(pixels(&bench.path("out.exr")) != whole, "it was not stopped");
-    assert_eq!(bench.names(), ["out.exr", "out.exr.checkpoint", "whole.exr"]);
-    let done = bench.run("out.exr", &["--passes", "1500", "--resume"]);
+    assert!(
+        pixels(&bench.path("out.exr")) != whole,
+        "it was not stopped"
+    );
+    assert_eq!(
+        bench.names(),
+        ["out.exr", "out.exr.checkpoint", "whole.exr"]
+    );
+    let done = bench.run("out.exr", &["--passes", "400", "--resume"]);
     assert!(said(&done).contains("going on after"), "{}", said(&done));
     assert!(pixels(&bench.path("out.exr")) == whole);
     assert_eq!(bench.names(), ["out.exr", "whole.exr"]);
@@ -170,7 +186,11 @@ fn without_a_checkpoint_it_starts_afresh_and_says_so() {
     assert!(pixels(&bench.path("out.exr")) == bench.whole());
     fs::write(bench.path("out.exr.checkpoint"), "old").expect("a file");
     let done = bench.run("out.exr", &["--passes", "2"]);
-    assert!(said(&done).contains("--resume would have continued"), "{}", said(&done));
+    assert!(
+        said(&done).contains("--resume would have continued"),
+        "{}",
+        said(&done)
+    );
     assert_eq!(bench.names(), ["out.exr", "whole.exr"]);
 }
 
@@ -180,7 +200,10 @@ fn a_time_budget_counts_the_time_spent_before() {
     let image = pixels(&bench.path("out.exr"));
     let done = bench.run("out.exr", &["--time", "0.001s", "--resume"]);
     assert!(done.status.success(), "{}", said(&done));
-    assert!(pixels(&bench.path("out.exr")) == image, "nothing was left to do");
+    assert!(
+        pixels(&bench.path("out.exr")) == image,
+        "nothing was left to do"
+    );
 }
 
 /// The same checkpoint with another body, and the checksum that goes with it.
@@ -208,7 +231,10 @@ fn a_damaged_checkpoint_is_an_error_that_leaves_all_as_it_was() {
     };
     let cases = [
         (Vec::new(), "no checkpoint"),
-        (b"an image, perhaps, or a letter to somebody or other".repeat(9), "no checkpoint"),
+        (
+            b"an image, perhaps, or a letter to somebody or other".repeat(9),
+            "no checkpoint",
+        ),
         (good[..20].to_vec(), "cut off"),
         (good[..good.len() - 1].to_vec(), "cut off"),
         ([&good[..], b"more"].concat(), "cut off"),
@@ -226,7 +252,10 @@ fn a_damaged_checkpoint_is_an_error_that_leaves_all_as_it_was() {
         let done = bench.run("out.exr", &["--passes", "2", "--resume"]);
         let said = said(&done);
         assert_eq!(done.status.code(), Some(5), "{problem}: {said}");
-        assert!(said.contains("out.exr.checkpoint") && said.contains(problem), "{said}");
+        assert!(
+            said.contains("out.exr.checkpoint") && said.contains(problem),
+            "{said}"
+        );
         assert!(said.contains("without --resume"), "{said}");
         assert_eq!(said.trim_end().lines().count(), 1, "{said}");
         assert!(fs::read(bench.path("out.exr.checkpoint")).expect("a file") == bytes);
@@ -240,13 +269,16 @@ fn a_checkpoint_of_another_render_is_an_error() {
     for (more, problem) in [
         (&["--seed", "1"][..], "--seed 0"),
         (&["--set", "media.fog.sigma_s=0.3"], "another scene"),
-        (&["--set", "film.width=21"], "another scene"),
+        (&["--set", "film.width=13"], "another scene"),
         (&["--set", "integrator.max_depth=3"], "another scene"),
     ] {
         let done = bench.run("out.exr", &[more, &["--passes", "2", "--resume"]].concat());
         let said = said(&done);
         assert_eq!(done.status.code(), Some(5), "{said}");
-        assert!(said.contains(problem) && said.contains("out.exr.checkpoint"), "{said}");
+        assert!(
+            said.contains(problem) && said.contains("out.exr.checkpoint"),
+            "{said}"
+        );
     }
 }
 
@@ -263,14 +295,17 @@ fn a_full_disk_is_an_error_that_leaves_the_old_image() {
     let said = said(&done);
     assert_eq!(done.status.code(), Some(4), "{said}");
     assert!(said.contains("out.exr: cannot be written"), "{said}");
-    assert!(said.contains("out.exr.checkpoint: cannot be written"), "{said}");
+    assert!(
+        said.contains("out.exr.checkpoint: cannot be written"),
+        "{said}"
+    );
     assert!(fs::read(bench.path("out.exr")).expect("an image") == old);
     assert_eq!(bench.names(), ["out.exr"]);
 }
 
 #[test]
 fn an_image_that_cannot_be_written_at_the_end_leaves_its_passes() {
-    let bench = Bench::new("600");
+    let bench = Bench::new("200");
     let whole = bench.whole();
     let child = bench.start(&[]);
     wait_for(&bench.path("out.exr.checkpoint"));
@@ -278,7 +313,11 @@ fn an_image_that_cannot_be_written_at_the_end_leaves_its_passes() {
     let done = child.wait_with_output().expect("an end");
     assert_eq!(done.status.code(), Some(4), "{}", said(&done));
     fs::remove_dir(bench.path("out.exr")).expect("a folder");
-    let done = bench.run("out.exr", &["--passes", "600", "--resume"]);
-    assert!(said(&done).contains("going on after 600"), "{}", said(&done));
+    let done = bench.run("out.exr", &["--passes", "200", "--resume"]);
+    assert!(
+        said(&done).contains("going on after 200"),
+        "{}",
+        said(&done)
+    );
     assert!(pixels(&bench.path("out.exr")) == whole);
 }

@@ -8,13 +8,14 @@ use std::process::{Command, Output};
 use std::thread;
 use std::time::{Duration, Instant};
 
-fn render(folder: &Path, address: &str, passes: &str) -> Output {
+fn render(folder: &Path, address: &str, budget: [&str; 2]) -> Output {
     let scene = format!("{}/../scenes/cornell_fog.toml", env!("CARGO_MANIFEST_DIR"));
     Command::new(assert_cmd::cargo::cargo_bin("tyndall"))
         .args(["render", &scene, "-o"])
         .arg(folder.join("out.exr"))
         .args(["--set", "film.width=30", "--set", "film.height=20"])
-        .args(["--threads", "2", "--passes", passes, "--tev", address])
+        .args(["--threads", "2", "--tev", address])
+        .args(budget)
         .output()
         .expect("the command runs")
 }
@@ -76,7 +77,13 @@ fn view(mut stream: TcpStream) -> Shown {
                 let size = [0; 2].map(|_: usize| packet.number(4) as usize);
                 let channels = packet.texts();
                 let values = vec![f32::NAN; size[0] * size[1] * channels.len()];
-                shown = Shown { name, size, channels, values, updates: 0 };
+                shown = Shown {
+                    name,
+                    size,
+                    channels,
+                    values,
+                    updates: 0,
+                };
             }
             6 => update(&mut shown, &name, packet),
             other => panic!("a packet of kind {other}"),
@@ -94,7 +101,9 @@ fn update(shown: &mut Shown, name: &str, mut packet: Packet) {
     let offsets: Vec<_> = channels.iter().map(|_| packet.number(8) as usize).collect();
     let strides: Vec<_> = channels.iter().map(|_| packet.number(8) as usize).collect();
     let data = packet.0.chunks_exact(4);
-    let data: Vec<_> = data.map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
+    let data: Vec<_> = data
+        .map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]))
+        .collect();
     for pixel in 0..width * height {
         let (column, row) = (x + pixel % width, y + pixel / width);
         for channel in 0..channels.len() {
@@ -117,7 +126,7 @@ fn the_viewer_ends_with_the_picture_that_is_written() {
     let folder = tempfile::tempdir().expect("a folder");
     let (listener, address) = listener();
     let viewer = thread::spawn(move || view(listener.accept().expect("a connection").0));
-    let done = render(folder.path(), &address, "40");
+    let done = render(folder.path(), &address, ["--passes", "40"]);
     assert!(done.status.success(), "{}", said(&done));
     let shown = viewer.join().expect("packets that can be read");
     assert!(shown.name.ends_with("out.exr"), "{}", shown.name);
@@ -140,14 +149,14 @@ fn a_viewer_that_is_not_there_or_goes_away_is_a_notice() {
     let folder = tempfile::tempdir().expect("a folder");
     let (listener, address) = listener();
     drop(listener);
-    let nobody = render(folder.path(), &address, "3");
+    let nobody = render(folder.path(), &address, ["--passes", "3"]);
     let (listener, address) = self::listener();
     let leaver = thread::spawn(move || {
         let (mut stream, _) = listener.accept().expect("a connection");
         stream.read_exact(&mut [0; 4]).expect("a packet begins");
     });
     // Long enough for several pictures.
-    let left = render(folder.path(), &address, "4000");
+    let left = render(folder.path(), &address, ["--time", "2s"]);
     leaver.join().expect("no panic");
     for done in [nobody, left] {
         assert!(done.status.success(), "{}", said(&done));
@@ -161,7 +170,7 @@ fn a_viewer_that_hangs_does_not_stall_the_render() {
     let folder = tempfile::tempdir().expect("a folder");
     let (listener, address) = listener();
     let begun = Instant::now();
-    let done = render(folder.path(), &address, "3");
+    let done = render(folder.path(), &address, ["--passes", "3"]);
     assert!(done.status.success(), "{}", said(&done));
     assert!(begun.elapsed() < Duration::from_secs(30));
     drop(listener);
@@ -171,7 +180,7 @@ fn a_viewer_that_hangs_does_not_stall_the_render() {
 fn an_address_without_a_port_is_a_wrong_command_line() {
     let folder = tempfile::tempdir().expect("a folder");
     for address in ["localhost", ":14158", "localhost:tev", "localhost:99999"] {
-        let done = render(folder.path(), address, "1");
+        let done = render(folder.path(), address, ["--passes", "1"]);
         assert_eq!(done.status.code(), Some(2), "{address}");
     }
 }

@@ -38,7 +38,12 @@ fn the_value_or_key_at_fault_is_underlined() {
     for (from, to, shown, message) in [
         ("fov = 40", "fov = 400", "400", "a.toml:5:7: `camera.fov`"),
         ("width", "widht", "widht", "a.toml:8:1: `film.widht`"),
-        ("= 0.5", "= [1, 2]", "[1, 2]", "a.toml:13:15: `materials.größe.reflectance`"),
+        (
+            "= 0.5",
+            "= [1, 2]",
+            "[1, 2]",
+            "a.toml:13:15: `materials.größe.reflectance`",
+        ),
         ("\"diffuse\"", "\"größer\"", "\"größer\"", "a.toml:12:8"),
         ("height = 8", "", "[film]", "a.toml:7:1: `film`"),
         ("= 40", "= 4x", "", "a.toml:5:"),

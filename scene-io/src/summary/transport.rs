@@ -194,17 +194,17 @@ fn of_caustics(
     Some(match caustics {
         Caustics::None => return None,
         Caustics::Missing => format!(
-            "smooth surfaces ({shapes} shapes) focus the light of point, spot, directional or beam \
+            "smooth surfaces (shapes: {shapes}) focus the light of point, spot, directional or beam \
              lights, which no path from the camera meets: `path` leaves these caustics out; give \
              the lights a size (an emissive sphere or disk)"
         ),
         Caustics::Noisy => format!(
-            "smooth surfaces ({shapes} shapes) focus light of a lamp that fills {percent:.3} % of \
+            "smooth surfaces (shapes: {shapes}) focus light of a lamp that fills {percent:.3} % of \
              their directions: `path` finds these caustics by chance, with noise; a larger lamp \
              or roughness helps"
         ),
         Caustics::Found => format!(
-            "smooth surfaces ({shapes} shapes) focus light; the smallest lamp fills {percent:.1} % \
+            "smooth surfaces (shapes: {shapes}) focus light; the smallest lamp fills {percent:.1} % \
              of their directions, enough for `path`"
         ),
     })
@@ -213,8 +213,8 @@ fn of_caustics(
 fn of_null_surfaces(null_surfaces: bool, geometry: &GeometrySummary) -> Option<String> {
     null_surfaces.then(|| {
         format!(
-            "light may pass surfaces straight ({} shapes are nothing but bounds of media): shadow \
-             rays walk through them one by one",
+            "light may pass surfaces straight (shapes that only bound media: {}): shadow rays walk \
+             through them one by one",
             geometry.null_shapes
         )
     })
