@@ -114,9 +114,15 @@ impl Viewer {
         for picture in queue {
             let sent = self.send(&picture);
             if let (Err(e), false) = (&sent, silent) {
+                let why = match e.kind() {
+                    io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut => {
+                        "it takes no data".into()
+                    }
+                    _ => e.to_string(),
+                };
+                let address = &self.address;
                 say(&format!(
-                    "note: no preview, tev at {} does not answer: {e}; still trying",
-                    self.address
+                    "note: no preview from tev at {address}: {why}; still trying"
                 ));
             }
             silent = sent.is_err();
