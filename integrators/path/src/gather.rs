@@ -75,47 +75,27 @@ where
         }
     }
 
-    /// Light that a surface sends along `wo` to `last`, from where the walk found it with density
-    /// `pdf_w`; `None` if no light sample could have found it.
-    pub(crate) fn emitted(
+    /// Light from what ends the segment, towards its start; the walk turned into it at `last`,
+    /// with density `pdf_w`, or `None` if no light sample could have found it.
+    pub(crate) fn ahead(
         &self,
         last: Vec3,
-        hit: H::Hit,
-        wo: Vec3,
+        segment: &Segment<H>,
         pdf_w: Option<f32>,
     ) -> H::Spectrum {
-        self.found(
-            last,
-            self.host.emitted(&hit, wo),
-            Anchor::Surface(hit),
-            pdf_w,
-        )
-    }
-
-    /// Light from infinity, found likewise.
-    pub(crate) fn background(
-        &self,
-        last: Vec3,
-        direction: Vec3,
-        pdf_w: Option<f32>,
-    ) -> H::Spectrum {
-        let light = self.host.background(direction);
-        self.found(last, light, Anchor::Direction(direction), pdf_w)
-    }
-
-    fn found(
-        &self,
-        last: Vec3,
-        light: H::Spectrum,
-        source: Anchor<H::Hit>,
-        pdf_w: Option<f32>,
-    ) -> H::Spectrum {
-        match pdf_w {
-            Some(pdf_w) if !light.is_black() => {
-                light * power_heuristic(pdf_w, D::direct_pdf_w(self.host, last, &source))
-            }
-            _ => light,
-        }
+        let direction = segment.ray.direction;
+        let light = match &segment.hit {
+            Some(hit) => self.host.emitted(hit, -direction),
+            None => self.host.background(direction),
+        };
+        let Some(pdf_w) = pdf_w.filter(|_| !light.is_black()) else {
+            return light;
+        };
+        let source = match &segment.hit {
+            Some(hit) => Anchor::Surface(hit.clone()),
+            None => Anchor::Direction(direction),
+        };
+        light * power_heuristic(pdf_w, D::direct_pdf_w(self.host, last, &source))
     }
 
     /// Light scattered towards the start of the line at an equiangular distance.

@@ -44,7 +44,7 @@ use tyndall_core::{
     Geometry, Integrator, LightDirect, Media, Medium, PassContext, PassError, Sampler, SensorRay,
     Shading, Spectrum, Streams,
 };
-use tyndall_walk::{Event, Site, Walk};
+use tyndall_walk::{Event, Walk};
 
 /// How often light may scatter *in media* between the light and the sensor; surfaces count apart.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -161,6 +161,13 @@ where
             if let Some(medium) = medium {
                 radiance += carried * medium.emitted(&segment.ray, sampler);
             }
+            // Light from the end of the segment is attenuated rather than found by those flights
+            // that get there.
+            let ahead = gather.ahead(last, &segment, pdf_w);
+            if !ahead.is_black() {
+                let arriving = medium.map(|medium| medium.transmittance(&segment.ray, sampler));
+                radiance += carried * ahead * arriving.unwrap_or(H::Spectrum::splat(1.0));
+            }
             let collides = self.may_collide(walk.depth, walk.collisions);
             let line = medium
                 .filter(|_| collides)
@@ -168,25 +175,15 @@ where
             if let Some(line) = &line {
                 radiance += carried * gather.along(line, sampler);
             }
-            let wo = -segment.ray.direction;
             let event = if collides {
                 walk.fly(segment, sampler)
             } else {
                 walk.transmit(segment, sampler)
             };
             match event {
-                Event::Interface(hit) => {
-                    radiance += walk.throughput * gather.emitted(last, hit, wo, pdf_w);
-                }
-                Event::Escape(direction) => {
-                    radiance += walk.throughput * gather.background(last, direction, pdf_w);
-                    break;
-                }
+                Event::Interface(_) => {}
+                Event::Escape(_) => break,
                 Event::Scattering(vertex) => {
-                    if let Site::Surface(hit) = &vertex.site {
-                        let light = gather.emitted(last, hit.clone(), wo, pdf_w);
-                        radiance += walk.throughput * light;
-                    }
                     if !self.may_scatter(walk.depth) {
                         break;
                     }
