@@ -1,9 +1,10 @@
 //! Volumetric path tracing: the unbiased arbiter of all other methods.
 //!
-//! Walks start at the sensor. At every vertex light is sampled directly; along every segment in a
-//! medium it is gathered at two points, one sampled by free flight, one by the inverse squared
-//! distance to a light; emission that a walk runs into counts as well. Multiple importance sampling
-//! with the power heuristic (Veach 1997, §9.2) weights what more than one technique can find.
+//! Walks start at the sensor. At every surface light is sampled directly; along every segment in a
+//! medium it is gathered at a point sampled by free flight or at one sampled by the inverse squared
+//! distance to a light; what glows at the end of a segment counts as well, attenuated. Multiple
+//! importance sampling with the power heuristic (Veach 1997, §9.2) weights what more than one
+//! technique can find.
 //!
 //! # Needs of the host
 //! [`Geometry`], [`Shading`], [`Media`], [`LightDirect`], and a [`Sensor`](tyndall_core::Sensor) to
@@ -21,7 +22,7 @@
 //! and are black); long forward-peaked multiple scattering converges slowly.
 //!
 //! # Cost
-//! One ray a segment, two connections a segment in media, one connection a surface. Linear in
+//! One ray a segment, one connection a segment in media, one connection a surface. Linear in
 //! samples; error falls with their square root.
 //!
 //! # References
@@ -44,7 +45,7 @@ use tyndall_core::{
     Geometry, Integrator, LightDirect, Media, Medium, PassContext, PassError, Sampler, SensorRay,
     Shading, Spectrum, Streams,
 };
-use tyndall_walk::{Event, Walk};
+use tyndall_walk::{Event, Site, Walk};
 
 /// How often light may scatter *in media* between the light and the sensor; surfaces count apart.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -172,14 +173,20 @@ where
             let line = medium
                 .filter(|_| collides)
                 .map(|medium| Line::new(host, medium, &segment, carried, sampler));
-            if let Some(line) = &line {
-                radiance += carried * gather.along(line, sampler);
-            }
             let event = if collides {
                 walk.fly(segment, sampler)
             } else {
                 walk.transmit(segment, sampler)
             };
+            if let Some(line) = &line {
+                let collision = match &event {
+                    Event::Scattering(vertex) if vertex.is_collision() => {
+                        Some((vertex, walk.throughput))
+                    }
+                    _ => None,
+                };
+                radiance += gather.scattered(line, collision, sampler);
+            }
             match event {
                 Event::Interface(_) => {}
                 Event::Escape(_) => break,
@@ -187,7 +194,9 @@ where
                     if !self.may_scatter(walk.depth) {
                         break;
                     }
-                    radiance += walk.throughput * gather.at(&vertex, line.as_ref(), sampler);
+                    if let Site::Surface(hit) = &vertex.site {
+                        radiance += walk.throughput * gather.at_surface(&vertex, hit, sampler);
+                    }
                     last = vertex.position;
                     match walk.scatter(vertex, sampler) {
                         Some(scattered) => pdf_w = scattered.pdf_w,
