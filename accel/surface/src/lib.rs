@@ -39,6 +39,7 @@
 //!   it, or meets a point of it if rounding says so.
 #![forbid(unsafe_code)]
 
+mod bounds;
 mod embedded;
 #[cfg(feature = "embree")]
 mod embree;

@@ -1,5 +1,6 @@
 //! The geometry of a scene.
 
+use crate::bounds;
 use crate::embedded::Embedded;
 #[cfg(feature = "embree")]
 use crate::embree::Embree;
@@ -8,7 +9,7 @@ use crate::instance;
 use crate::meet::Line;
 use crate::octahedral;
 use crate::shape::{Shape, cross};
-use crate::validate::validate;
+use crate::validate::{check_range, validate};
 use glam::{Vec2, Vec3};
 use tyndall_core::{Aabb, Ray, Surface};
 
@@ -57,19 +58,28 @@ impl Surfaces {
     /// See [`SurfaceError`]; it names the shape and what to do.
     pub fn build(shapes: Vec<Shape>, backend: Backend) -> Result<Self, SurfaceError> {
         validate(&shapes)?;
+        let boxes = bounds::boxes(&shapes);
+        check_range(&shapes, &boxes)?;
         let engine = match backend {
-            Backend::Embedded => Engine::Embedded(Embedded::build(&shapes)),
+            Backend::Embedded => Engine::Embedded(Embedded::build(&shapes, &boxes)),
             #[cfg(feature = "embree")]
             Backend::Embree => Engine::Embree(Embree::build(&shapes)?),
         };
-        let bounds = shapes
-            .iter()
-            .fold(Aabb::EMPTY, |b, shape| b.union(shape.bounds()));
+        let bounds = boxes.into_iter().fold(Aabb::EMPTY, Aabb::union);
         Ok(Self {
             shapes,
             bounds,
             engine,
         })
+    }
+
+    /// What finds the primitives.
+    pub(crate) fn backend(&self) -> Backend {
+        match self.engine {
+            Engine::Embedded(_) => Backend::Embedded,
+            #[cfg(feature = "embree")]
+            Engine::Embree(_) => Backend::Embree,
+        }
     }
 
     /// A box around all shapes; empty if there are none.
