@@ -55,15 +55,15 @@ impl Embedded {
     pub(crate) fn intersect(&self, shapes: &[Shape], ray: &Ray) -> Option<(f32, ShapeHit)> {
         let met = self.tree.nearest(ray, &self.placed)?;
         let (line, t) = (Line::from(ray), met.t.into());
-        let shape = &shapes[met.shape as usize];
-        let (t, uv) = match (shape, met.form) {
+        let shape = &shapes[met.leaf.shape as usize];
+        let (t, uv) = match (shape, met.leaf.form) {
             (Shape::Mesh(_), Form::Triangle(corners)) => {
                 triangle(&line, corners.map(|p| p.as_dvec3()), t)
             }
             _ => shape.meet(met.primitive, &line, t),
         };
         let hit = ShapeHit {
-            shape: met.shape,
+            shape: met.leaf.shape,
             primitive: met.primitive,
             uv,
         };

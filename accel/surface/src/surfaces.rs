@@ -30,7 +30,7 @@ pub enum Backend {
 pub struct ShapeHit {
     /// Index of the shape in the list given to [`Surfaces::build`].
     pub shape: u32,
-    /// The triangle of a mesh, 0 for any other shape.
+    /// The triangle of a mesh or an instance, 0 for any other shape.
     pub primitive: u32,
     /// Where on the primitive, in the unit square. Triangle: barycentric, the weights of p1 and
     /// p2. Quad: along `edge_u` and `edge_v`. Sphere: the octahedral map of the normal. Disc: its
@@ -82,7 +82,8 @@ impl Surfaces {
         }
     }
 
-    /// A box around all shapes; empty if there are none.
+    /// A box around all shapes; empty if there are none. An instance counts with the box around the
+    /// placed box of its mesh, which may be larger than itself.
     pub fn bounds(&self) -> Aabb {
         self.bounds
     }
@@ -151,7 +152,7 @@ impl Surfaces {
     }
 
     /// Position and normals of a hit. The shading normal is interpolated over a mesh that has
-    /// normals, and turned to the side of the geometric one.
+    /// normals, placed as the geometric one is ([`Shape::Instance`]), and turned to its side.
     pub fn surface(&self, hit: &ShapeHit) -> Surface {
         let geometric_normal = self.normal(hit);
         let smooth = match self.shape(hit.shape) {

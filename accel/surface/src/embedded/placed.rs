@@ -47,7 +47,7 @@ impl Placed {
         self.tree.any(&ray, &[])
     }
 
-    /// The ray in the coordinates of the mesh, and the length that it starts late by.
+    /// The ray in the coordinates of the mesh, and by how much it starts late.
     ///
     /// Its direction is not normalised, so that distances are those in the world. A ray from far
     /// away starts near the mesh, so that `f32` still resolves it.

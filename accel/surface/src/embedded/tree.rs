@@ -43,11 +43,10 @@ pub(super) enum Form {
     Instance(u32),
 }
 
-/// What a ray meets: at which distance, of which form, and its name.
+/// What a ray meets: at which distance, and which primitive of a leaf.
 pub(super) struct Met<'a> {
     pub(super) t: f32,
-    pub(super) form: &'a Form,
-    pub(super) shape: u32,
+    pub(super) leaf: &'a Leaf,
     pub(super) primitive: u32,
 }
 
@@ -101,8 +100,7 @@ impl Tree {
         );
         nearest.map(|(leaf, primitive)| Met {
             t: t_max,
-            form: &leaf.form,
-            shape: leaf.shape,
+            leaf,
             primitive,
         })
     }
@@ -110,17 +108,18 @@ impl Tree {
     /// Whether any primitive is met.
     pub(super) fn any(&self, ray: &Ray, placed: &[Placed]) -> bool {
         let prepared = Prepared::new(ray);
+        let t_max = ray.t_max;
         let mut state = self.tree.new_traversal(prepared.boxes.direction);
         let mut node;
         traverse!(
             self.tree,
             node,
             state,
-            prepared.boxes.children(node, ray.t_max, state.oct_inv4),
+            prepared.boxes.children(node, t_max, state.oct_inv4),
             {
                 let met = match self.leaves[state.primitive_id as usize].form {
-                    Form::Instance(i) => placed[i as usize].any(&prepared.line, ray.t_max),
-                    ref form => prepared.meet(form, ray.t_max).is_some(),
+                    Form::Instance(i) => placed[i as usize].any(&prepared.line, t_max),
+                    ref form => prepared.meet(form, t_max).is_some(),
                 };
                 if met {
                     return true;
