@@ -1,15 +1,30 @@
 //! What a scene's geometry is made of.
 
+use crate::instance;
 use crate::octahedral;
 use crate::surfaces::ShapeHit;
-use glam::{DVec3, Vec2, Vec3};
-use tyndall_core::Aabb;
+use glam::{DAffine3, DVec2, DVec3, Vec2, Vec3};
+use std::sync::Arc;
 
 /// A shape; its place in the list given to [`Surfaces::build`](crate::Surfaces::build) is its name.
 #[derive(Clone, Debug)]
 pub enum Shape {
     /// Triangles.
     Mesh(Mesh),
+    /// Triangles placed elsewhere. Instances of one `Arc` share what is built over their mesh, so
+    /// that ten thousand take little more memory than one.
+    ///
+    /// The outside of a closed mesh stays outside under any transformation: its geometric normal is
+    /// |det M|·M⁻ᵀ·((p1−p0) × (p2−p0)), so that under a reflection it is on the side from which the
+    /// triangle now runs clockwise (the rule of glTF 2.0, §3.7.4). An instance whose axes are
+    /// sheared almost into one plane is copied, since rays would lose digits in its space.
+    Instance {
+        /// The mesh.
+        mesh: Arc<Mesh>,
+        /// From its coordinates to those of the scene. Any rotation, scale, shear and reflection
+        /// that has an inverse.
+        to_world: DAffine3,
+    },
     /// A true sphere. Its geometric normal points outwards.
     Sphere {
         /// Centre.
@@ -52,11 +67,17 @@ pub struct Mesh {
 }
 
 impl Shape {
-    /// How many primitives it has: triangles of a mesh, one otherwise.
+    /// How many primitives it has: triangles of a mesh or an instance, one otherwise.
     pub fn primitive_count(&self) -> usize {
+        self.mesh().map_or(1, |mesh| mesh.triangles.len())
+    }
+
+    /// The mesh, in its own coordinates, that it is or places.
+    pub fn mesh(&self) -> Option<&Mesh> {
         match self {
-            Self::Mesh(mesh) => mesh.triangles.len(),
-            _ => 1,
+            Self::Mesh(mesh) => Some(mesh),
+            Self::Instance { mesh, .. } => Some(mesh),
+            _ => None,
         }
     }
 
@@ -65,9 +86,12 @@ impl Shape {
         let uv = hit.uv.as_dvec2();
         let position = match *self {
             Self::Mesh(ref mesh) => {
-                let [p0, p1, p2] = mesh.corners(hit.primitive).map(|p| p.as_dvec3());
-                p0 + uv.x * (p1 - p0) + uv.y * (p2 - p0)
+                on_triangle(mesh.corners(hit.primitive).map(|p| p.as_dvec3()), uv)
             }
+            Self::Instance {
+                ref mesh,
+                ref to_world,
+            } => on_triangle(instance::corners(mesh, to_world, hit.primitive), uv),
             Self::Quad {
                 corner,
                 edge_u,
@@ -88,31 +112,6 @@ impl Shape {
         };
         position.as_vec3()
     }
-
-    /// The smallest box around it, up to rounding outwards.
-    pub(crate) fn bounds(&self) -> Aabb {
-        match *self {
-            Self::Mesh(ref mesh) => {
-                let used = mesh.triangles.iter().flatten();
-                Aabb::of_points(used.map(|&i| mesh.positions[i as usize]))
-            }
-            Self::Sphere { center, radius } => around(center, DVec3::splat(radius.into())),
-            Self::Quad {
-                corner,
-                edge_u,
-                edge_v,
-            } => Aabb::of_points(quad_corners(corner, edge_u, edge_v)),
-            Self::Disk {
-                center,
-                normal,
-                radius,
-            } => {
-                let n = normal.as_dvec3().normalize();
-                let sine = (DVec3::ONE - n * n).max(DVec3::ZERO).map(f64::sqrt);
-                around(center, f64::from(radius) * sine)
-            }
-        }
-    }
 }
 
 impl Mesh {
@@ -131,6 +130,10 @@ impl Mesh {
     }
 }
 
+fn on_triangle([p0, p1, p2]: [DVec3; 3], uv: DVec2) -> DVec3 {
+    p0 + uv.x * (p1 - p0) + uv.y * (p2 - p0)
+}
+
 /// Corners in the order of the boundary, each rounded once.
 pub(crate) fn quad_corners(corner: Vec3, edge_u: Vec3, edge_v: Vec3) -> [Vec3; 4] {
     let [p, u, v] = [corner, edge_u, edge_v].map(|x| x.as_dvec3());
@@ -146,12 +149,4 @@ pub(crate) fn cross([p0, p1, p2]: [Vec3; 3]) -> DVec3 {
 /// Axes of the plane of a disc.
 pub(crate) fn disk_axes(normal: Vec3) -> [DVec3; 2] {
     normal.as_dvec3().normalize().any_orthonormal_pair().into()
-}
-
-fn around(center: Vec3, half: DVec3) -> Aabb {
-    let center = center.as_dvec3();
-    Aabb {
-        min: (center - half).as_vec3().map(f32::next_down),
-        max: (center + half).as_vec3().map(f32::next_up),
-    }
 }

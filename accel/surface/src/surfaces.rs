@@ -1,13 +1,15 @@
 //! The geometry of a scene.
 
+use crate::bounds;
 use crate::embedded::Embedded;
 #[cfg(feature = "embree")]
 use crate::embree::Embree;
 use crate::error::SurfaceError;
+use crate::instance;
 use crate::meet::Line;
 use crate::octahedral;
 use crate::shape::{Shape, cross};
-use crate::validate::validate;
+use crate::validate::{check_range, validate};
 use glam::{Vec2, Vec3};
 use tyndall_core::{Aabb, Ray, Surface};
 
@@ -28,7 +30,7 @@ pub enum Backend {
 pub struct ShapeHit {
     /// Index of the shape in the list given to [`Surfaces::build`].
     pub shape: u32,
-    /// The triangle of a mesh, 0 for any other shape.
+    /// The triangle of a mesh or an instance, 0 for any other shape.
     pub primitive: u32,
     /// Where on the primitive, in the unit square. Triangle: barycentric, the weights of p1 and
     /// p2. Quad: along `edge_u` and `edge_v`. Sphere: the octahedral map of the normal. Disc: its
@@ -56,14 +58,14 @@ impl Surfaces {
     /// See [`SurfaceError`]; it names the shape and what to do.
     pub fn build(shapes: Vec<Shape>, backend: Backend) -> Result<Self, SurfaceError> {
         validate(&shapes)?;
+        let boxes = bounds::boxes(&shapes);
+        check_range(&shapes, &boxes)?;
         let engine = match backend {
-            Backend::Embedded => Engine::Embedded(Embedded::build(&shapes)),
+            Backend::Embedded => Engine::Embedded(Embedded::build(&shapes, &boxes)),
             #[cfg(feature = "embree")]
             Backend::Embree => Engine::Embree(Embree::build(&shapes)?),
         };
-        let bounds = shapes
-            .iter()
-            .fold(Aabb::EMPTY, |b, shape| b.union(shape.bounds()));
+        let bounds = boxes.into_iter().fold(Aabb::EMPTY, Aabb::union);
         Ok(Self {
             shapes,
             bounds,
@@ -71,7 +73,17 @@ impl Surfaces {
         })
     }
 
-    /// A box around all shapes; empty if there are none.
+    /// What finds the primitives.
+    pub(crate) fn backend(&self) -> Backend {
+        match self.engine {
+            Engine::Embedded(_) => Backend::Embedded,
+            #[cfg(feature = "embree")]
+            Engine::Embree(_) => Backend::Embree,
+        }
+    }
+
+    /// A box around all shapes; empty if there are none. An instance counts with the box around the
+    /// placed box of its mesh, which may be larger than itself.
     pub fn bounds(&self) -> Aabb {
         self.bounds
     }
@@ -140,13 +152,19 @@ impl Surfaces {
     }
 
     /// Position and normals of a hit. The shading normal is interpolated over a mesh that has
-    /// normals, and turned to the side of the geometric one.
+    /// normals, placed as the geometric one is ([`Shape::Instance`]), and turned to its side.
     pub fn surface(&self, hit: &ShapeHit) -> Surface {
         let geometric_normal = self.normal(hit);
         let smooth = match self.shape(hit.shape) {
             Shape::Mesh(mesh) if !mesh.normals.is_empty() => mesh
                 .interpolate(&mesh.normals, hit.primitive, hit.uv)
                 .normalize_or(geometric_normal),
+            Shape::Instance { mesh, to_world } if !mesh.normals.is_empty() => {
+                let normal = mesh.interpolate(&mesh.normals, hit.primitive, hit.uv);
+                (instance::of_normals(to_world) * normal.as_dvec3())
+                    .normalize_or(geometric_normal.as_dvec3())
+                    .as_vec3()
+            }
             _ => geometric_normal,
         };
         let side = 1_f32.copysign(smooth.dot(geometric_normal));
@@ -159,8 +177,8 @@ impl Surfaces {
 
     /// Texture coordinates of a hit: those of the mesh if it has any, `hit.uv` otherwise.
     pub fn uv(&self, hit: &ShapeHit) -> Vec2 {
-        match self.shape(hit.shape) {
-            Shape::Mesh(mesh) if !mesh.uvs.is_empty() => {
+        match self.shape(hit.shape).mesh() {
+            Some(mesh) if !mesh.uvs.is_empty() => {
                 mesh.interpolate(&mesh.uvs, hit.primitive, hit.uv)
             }
             _ => hit.uv,
@@ -171,6 +189,10 @@ impl Surfaces {
     pub(crate) fn normal(&self, hit: &ShapeHit) -> Vec3 {
         let normal = match *self.shape(hit.shape) {
             Shape::Mesh(ref mesh) => cross(mesh.corners(hit.primitive)),
+            Shape::Instance {
+                ref mesh,
+                ref to_world,
+            } => instance::of_normals(to_world) * cross(mesh.corners(hit.primitive)),
             Shape::Sphere { .. } => octahedral::decode(hit.uv),
             Shape::Quad { edge_u, edge_v, .. } => cross([Vec3::ZERO, edge_u, edge_v]),
             Shape::Disk { normal, .. } => normal.as_dvec3(),
