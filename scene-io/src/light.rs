@@ -231,10 +231,7 @@ impl<S: Spectrum> Lights<S> {
             Source::Point(light) => Some(light.position),
             Source::Spot(light) => Some(light.position),
             Source::Beam(light) => Some(light.pivot(ray)),
-            Source::Area(light) => {
-                let hit = surfaces.sample(light.shape, light.primitive, [u[1], u[2]]);
-                Some(surfaces.surface(&hit).position)
-            }
+            Source::Area(light) => Some(light.pivot([u[1], u[2]], surfaces)),
             Source::Directional(_) | Source::Environment(_) => None,
         }
     }
@@ -256,11 +253,9 @@ impl<S: Spectrum> Lights<S> {
                 let pmf = self.environment.map_or(0.0, |i| self.choice.pmf(i));
                 environment::PDF_W * pmf
             }
-            Anchor::Surface(hit) => self.area_at(hit).map_or(0.0, |(area, pmf)| {
-                let surface = surfaces.surface(&hit.shape);
-                let (wi, distance) = (surface.position - from).normalize_and_length();
-                pmf * area.pdf_direct_w(distance, -wi.dot(surface.geometric_normal))
-            }),
+            Anchor::Surface(hit) => self
+                .area_at(hit)
+                .map_or(0.0, |(_, pmf)| pmf * surfaces.pdf_from_w(&hit.shape, from)),
         }
     }
 
