@@ -16,7 +16,7 @@ use tyndall_driver::Film;
 const INTERVAL: Duration = Duration::from_millis(500);
 
 /// What tev may take to accept a connection or a piece of a picture.
-const PATIENCE: Duration = Duration::from_secs(2);
+const PATIENCE: Duration = Duration::from_secs(1);
 
 /// Pixels a packet, in whole rows.
 const PIXELS: usize = 1 << 18;
@@ -89,7 +89,7 @@ impl Preview {
         }
         drop(self.pictures);
         // Ends by the thread's end or by patience; there is nothing else to do in either case.
-        let _ = self.ended.recv_timeout(PATIENCE);
+        let _ = self.ended.recv_timeout(2 * PATIENCE);
     }
 }
 
