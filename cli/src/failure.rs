@@ -4,7 +4,7 @@ use crate::checkpoint::CheckpointError;
 use crate::diff::Mismatch;
 use crate::merge::Refusal;
 use crate::progress::message;
-use miette::Diagnostic;
+use miette::{Diagnostic, MietteHandlerOpts};
 use std::io::IsTerminal;
 use std::process::ExitCode;
 use tyndall_driver::{DifferentResolution, RenderError};
@@ -40,6 +40,10 @@ impl Error {
     pub(crate) fn report(self) -> ExitCode {
         let code = self.code();
         if std::io::stderr().is_terminal() {
+            // Messages name their causes themselves. A hook that is set already is as good.
+            let _ = miette::set_hook(Box::new(|_| {
+                Box::new(MietteHandlerOpts::new().without_cause_chain().build())
+            }));
             message(&format!("{:?}", miette::Report::new(self)));
         } else {
             message(&format!("error: {self}"));

@@ -16,7 +16,7 @@ use tyndall_driver::Film;
 const INTERVAL: Duration = Duration::from_millis(500);
 
 /// What tev may take to accept a connection or a piece of a picture.
-const PATIENCE: Duration = Duration::from_secs(2);
+const PATIENCE: Duration = Duration::from_secs(1);
 
 /// Pixels a packet, in whole rows.
 const PIXELS: usize = 1 << 18;
@@ -89,7 +89,7 @@ impl Preview {
         }
         drop(self.pictures);
         // Ends by the thread's end or by patience; there is nothing else to do in either case.
-        let _ = self.ended.recv_timeout(PATIENCE);
+        let _ = self.ended.recv_timeout(2 * PATIENCE);
     }
 }
 
@@ -114,9 +114,15 @@ impl Viewer {
         for picture in queue {
             let sent = self.send(&picture);
             if let (Err(e), false) = (&sent, silent) {
+                let why = match e.kind() {
+                    io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut => {
+                        "it takes no data".into()
+                    }
+                    _ => e.to_string(),
+                };
+                let address = &self.address;
                 say(&format!(
-                    "note: no preview, tev at {} does not answer: {e}; still trying",
-                    self.address
+                    "note: no preview from tev at {address}: {why}; still trying"
                 ));
             }
             silent = sent.is_err();

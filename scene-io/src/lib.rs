@@ -21,6 +21,7 @@ mod rendered;
 mod scene;
 mod sources;
 mod spectrum;
+mod summary;
 mod texture;
 mod vol;
 
@@ -35,5 +36,9 @@ pub use material::{fresnel_conductor, fresnel_dielectric};
 pub use rendered::{RenderedImage, read_exr};
 pub use scene::Scene;
 pub use sources::sources;
+pub use summary::{
+    CameraSummary, Caustics, GeometrySummary, LightSummary, MediumSummary, Needed, Summary,
+    TransportSummary,
+};
 pub use tyndall_surface::Backend;
 pub use vol::{Volume, read_vol};
