@@ -9,6 +9,7 @@ mod reader;
 mod shape;
 mod view;
 
+pub(crate) use document::{Node, Value};
 pub(crate) use material::MediumName;
 pub use view::{IntegratorConfig, Scattering};
 
@@ -17,7 +18,6 @@ use crate::light::Light;
 use crate::media::MediumDescription;
 use crate::spectrum::is_grey;
 use crate::{Error, Place, Scene};
-use document::Node;
 use glam::DVec3;
 use material::Material;
 use reader::{Field, Table};
@@ -51,6 +51,19 @@ pub(crate) struct Part {
     pub(crate) emission: Rgb,
 }
 
+/// The tree of a scene file with its overrides.
+pub(crate) fn parse_document(
+    path: &Path,
+    text: &str,
+    overrides: &[(String, String)],
+) -> Result<Node, Error> {
+    let mut root = document::parse(&path.display().to_string(), text)?;
+    for (key, value) in overrides {
+        overrides::apply(&mut root, key, value)?;
+    }
+    Ok(root)
+}
+
 impl SceneFile {
     /// Reads a scene file. `overrides` are pairs of a dotted key and a value as TOML writes it:
     /// they replace a value or add one that the table could hold.
@@ -71,11 +84,7 @@ impl SceneFile {
     /// # Errors
     /// As there.
     pub fn parse(text: &str, path: &Path, overrides: &[(String, String)]) -> Result<Self, Error> {
-        let mut root = document::parse(&path.display().to_string(), text)?;
-        for (key, value) in overrides {
-            overrides::apply(&mut root, key, value)?;
-        }
-        Self::read(path, &root)
+        Self::read(path, &parse_document(path, text, overrides)?)
     }
 
     fn read(path: &Path, root: &Node) -> Result<Self, Error> {

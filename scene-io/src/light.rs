@@ -158,6 +158,12 @@ impl<S: Spectrum> Lights<S> {
         self.background
     }
 
+    /// Every light and its power; the primitives of a shape in order.
+    pub(crate) fn powers(&self) -> impl Iterator<Item = (&Source, S)> {
+        let world = self.world;
+        (self.lights.iter()).map(move |light| (&light.source, light.power(world)))
+    }
+
     /// Sum of the powers, mean of the channels.
     pub(crate) fn power(&self) -> f32 {
         let powers = self.lights.iter().map(|l| l.power(self.world).mean());

@@ -7,9 +7,13 @@ mod conductor;
 mod dielectric;
 mod fresnel;
 mod ggx;
+mod maps;
+mod metallic_roughness;
 mod rough_dielectric;
 
 pub use fresnel::{fresnel_conductor, fresnel_dielectric};
+pub(crate) use maps::{AlphaMode, Map, Maps, NormalMap, ScalarMap};
+pub(crate) use metallic_roughness::MetallicRoughness;
 
 use glam::Vec3;
 use std::f32::consts::FRAC_1_PI;
@@ -52,6 +56,8 @@ pub(crate) enum Bsdf<S> {
         /// Roughness α of the GGX distribution.
         alpha: f32,
     },
+    /// The material of glTF.
+    MetallicRoughness(MetallicRoughness<S>),
 }
 
 impl<S> Bsdf<S> {
@@ -59,11 +65,12 @@ impl<S> Bsdf<S> {
     pub(crate) fn ior(&self) -> Option<f32> {
         match self {
             Self::Dielectric { ior } | Self::RoughDielectric { ior, .. } => Some(*ior),
+            Self::MetallicRoughness(m) if m.transmission > 0.0 && !m.thin => Some(m.ior),
             _ => None,
         }
     }
 
-    /// Whether light can pass.
+    /// Whether light can enter what is behind it.
     pub(crate) fn transmits(&self) -> bool {
         matches!(self, Self::Null) || self.ior().is_some()
     }
@@ -85,6 +92,14 @@ impl<S> Bsdf<S> {
                 k: f(k),
                 alpha,
             },
+            Self::MetallicRoughness(m) => Bsdf::MetallicRoughness(MetallicRoughness {
+                base_color: f(m.base_color),
+                metallic: m.metallic,
+                roughness: m.roughness,
+                ior: m.ior,
+                transmission: m.transmission,
+                thin: m.thin,
+            }),
         }
     }
 }
@@ -159,6 +174,7 @@ impl<S: Spectrum> Bsdf<S> {
                 conductor::reflectance(wo.z.abs(), eta, k),
             )),
             Self::RoughConductor { eta, k, alpha } => conductor::sample(wo, u, eta, k, alpha),
+            Self::MetallicRoughness(_) => None,
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::reader::{Field, Table};
 use crate::Error;
-use crate::material::Bsdf;
+use crate::material::{Bsdf, Maps};
 use tyndall_core::Rgb;
 
 /// A material as the scene file describes it; media by their index.
@@ -11,6 +11,7 @@ pub(crate) struct Material {
     pub(crate) bsdf: Bsdf<Rgb>,
     /// Radiance emitted on the side of the normal.
     pub(crate) emission: Rgb,
+    pub(crate) maps: Maps,
     pub(crate) inside: MediumName,
     /// What lies around the surface where no other shape contains it, if the file says.
     pub(crate) outside: Option<MediumName>,
@@ -26,6 +27,7 @@ impl Material {
         Self {
             bsdf,
             emission,
+            maps: Maps::default(),
             inside: None,
             outside: None,
             priority: 0,
