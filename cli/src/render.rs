@@ -25,6 +25,9 @@ const INTERRUPTED: i32 = 130;
 /// Renders and writes.
 pub(crate) fn run(arguments: &RenderArguments) -> Result<(), Error> {
     let file = SceneFile::load(&arguments.scene, &arguments.set)?;
+    for notice in file.notices() {
+        message(&format!("notice: {notice}"));
+    }
     check_writable(&arguments.output)?;
     if let Some(png) = &arguments.png {
         check_writable(png)?;
@@ -84,12 +87,14 @@ fn render<S: Spectrum>(
     let film = snapshot.film();
     let metadata = Metadata {
         scene: arguments.scene.display().to_string(),
+        fingerprint: checkpoint.fingerprint(),
         integrator: describe(name, config),
         seed: arguments.seed,
         passes: film.passes(),
         seconds: snapshot.elapsed().as_secs_f64(),
         version: env!("CARGO_PKG_VERSION").into(),
         notes: notes(config, film, interrupted),
+        ..Metadata::default()
     };
     let written = write(arguments, film, &metadata);
     if !interrupted && written.is_ok() {
@@ -248,6 +253,8 @@ fn write<S: Spectrum>(
         height,
         radiance: &radiance,
         variance: &variance,
+        features: None,
+        view: None,
         metadata,
     };
     write_exr(&arguments.output, &output)?;

@@ -3,15 +3,21 @@
 
 mod boundary;
 mod camera;
+mod environment_image;
 mod error;
+mod features;
 mod file;
+mod gltf;
 mod host;
 mod image_out;
 mod light;
 mod locate;
+mod look;
+mod mapping;
 mod material;
 mod media;
 mod obj;
+mod rendered;
 mod scene;
 mod sources;
 mod spectrum;
@@ -20,10 +26,14 @@ mod texture;
 mod vol;
 
 pub use error::{Error, Place};
+pub use features::Features;
 pub use file::{IntegratorConfig, Scattering, SceneFile};
-pub use host::Hit;
-pub use image_out::{Metadata, RenderOutput, check_writable, write_exr, write_png};
+pub use host::{Hit, Presence};
+pub use image_out::{
+    Metadata, PassRange, RenderOutput, View, check_writable, write_exr, write_png,
+};
 pub use material::{fresnel_conductor, fresnel_dielectric};
+pub use rendered::{RenderedImage, read_exr};
 pub use scene::Scene;
 pub use sources::sources;
 pub use summary::{

@@ -69,6 +69,11 @@ impl Texture {
         Ok(Self::from_image(image, space))
     }
 
+    /// [`Texture::load`] of a file that is in memory; or what is wrong with it.
+    pub(crate) fn decode(bytes: &[u8], space: ColourSpace) -> Result<Self, String> {
+        Ok(Self::from_image(decode::decode(bytes)?, space))
+    }
+
     /// The texture of an image; of 8 bits a channel, or 16 where it has more.
     pub(crate) fn from_image(image: DynamicImage, space: ColourSpace) -> Self {
         let color = image.color();

@@ -110,3 +110,38 @@ impl Default for Maps {
         }
     }
 }
+
+impl Maps {
+    /// Whether scattering differs from point to point.
+    pub(crate) fn vary_bsdf(&self) -> bool {
+        let scalars = [&self.roughness, &self.metallic, &self.transmission];
+        self.base_color.is_some() || scalars.into_iter().any(Option::is_some)
+    }
+
+    /// Whether the surface may have holes.
+    pub(crate) fn cut(&self) -> bool {
+        self.alpha_mode != AlphaMode::Opaque && (self.alpha < 1.0 || self.alpha_map.is_some())
+    }
+
+    /// Whether nothing is said.
+    pub(crate) fn is_empty(&self) -> bool {
+        let bare = self.normal.is_none() && self.emission.is_none();
+        bare && !self.vary_bsdf() && !self.cut()
+    }
+
+    /// Whether texture coordinates are needed.
+    pub(crate) fn have_textures(&self) -> bool {
+        let others = [
+            self.normal.is_some(),
+            self.emission.is_some(),
+            self.alpha_map.is_some(),
+        ];
+        self.vary_bsdf() || others.contains(&true)
+    }
+
+    /// Whether all colours have equal channels.
+    pub(crate) fn are_grey(&self) -> bool {
+        let colours = [&self.base_color, &self.emission];
+        (colours.into_iter().flatten()).all(|map| map.texture.is_grey())
+    }
+}
