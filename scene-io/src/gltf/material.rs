@@ -324,26 +324,11 @@ fn affine(transform: &TextureTransform) -> Affine2 {
     )
 }
 
-/// Clear and frosted glass are told by name: what they reflect is exact, and smooth glass has no
-/// lobes to sample.
+/// Smooth clear glass is told by name: it has no lobes to sample.
 fn simplest(constants: MetallicRoughness<Rgb>, maps: &Maps) -> Bsdf<Rgb> {
-    let MetallicRoughness {
-        base_color,
-        metallic,
-        roughness,
-        ior,
-        transmission,
-        thin,
-    } = constants;
-    let varies = maps.base_color.is_some()
-        || maps.roughness.is_some()
-        || maps.metallic.is_some()
-        || maps.transmission.is_some();
-    let clear = transmission == 1.0 && metallic == 0.0 && base_color == Rgb::new(1.0, 1.0, 1.0);
-    let alpha = roughness * roughness;
-    match alpha {
-        _ if thin || varies || !clear => Bsdf::MetallicRoughness(constants),
-        1e-3.. => Bsdf::RoughDielectric { ior, alpha },
-        _ => Bsdf::Dielectric { ior },
+    if !maps.vary_bsdf() && constants.is_clear() {
+        Bsdf::Dielectric { ior: constants.ior }
+    } else {
+        Bsdf::MetallicRoughness(constants)
     }
 }
