@@ -6,9 +6,11 @@ mod include;
 mod light;
 mod material;
 mod medium;
+mod mtl;
 mod overrides;
 mod reader;
 mod shape;
+mod texture;
 mod view;
 
 pub(crate) use material::{Material, MediumName};
@@ -140,7 +142,11 @@ impl SceneFile {
                 .collect(),
             origin,
             integrator: view::read_integrator(table.optional("integrator").as_ref())?,
-            notices: included.notices().collect(),
+            notices: shapes
+                .notices
+                .into_iter()
+                .chain(included.notices())
+                .collect(),
         })
     }
 
@@ -243,13 +249,15 @@ fn materials_and_shapes<'a>(
     media: &[&str],
 ) -> Result<shape::Reader<'a>, Error> {
     let mut reader = shape::Reader {
-        folder,
+        textures: texture::Textures::new(folder),
         names: Vec::new(),
         materials: Vec::new(),
         placed: Vec::new(),
+        notices: Vec::new(),
     };
     for (name, field) in named(table, "materials")? {
-        reader.materials.push(material::read(&field, media)?);
+        let material = material::read(&field, media, &mut reader.textures)?;
+        reader.materials.push(material);
         reader.names.push(name.into());
     }
     for field in listed(table, "shapes")? {
