@@ -13,6 +13,7 @@ mod shape;
 mod texture;
 mod view;
 
+pub(crate) use document::{Node, Value};
 pub(crate) use material::{Material, MediumName};
 pub(crate) use shape::{Solid, around_points};
 pub use view::{IntegratorConfig, Scattering};
@@ -22,7 +23,6 @@ use crate::light::Light;
 use crate::media::MediumDescription;
 use crate::spectrum::is_grey;
 use crate::{Error, Place, Scene};
-use document::Node;
 use glam::DVec3;
 use include::Included;
 use reader::{Field, Table};
@@ -58,6 +58,19 @@ pub(crate) struct Part {
     pub(crate) emission: Rgb,
 }
 
+/// The tree of a scene file with its overrides.
+pub(crate) fn parse_document(
+    path: &Path,
+    text: &str,
+    overrides: &[(String, String)],
+) -> Result<Node, Error> {
+    let mut root = document::parse(&path.display().to_string(), text)?;
+    for (key, value) in overrides {
+        overrides::apply(&mut root, key, value)?;
+    }
+    Ok(root)
+}
+
 impl SceneFile {
     /// Reads a scene file, or a glTF file (by its name, `.gltf` or `.glb`) as a scene file that
     /// includes nothing else. `overrides` are pairs of a dotted key and a value as TOML writes it:
@@ -67,7 +80,8 @@ impl SceneFile {
     /// The first thing that is wrong: its place, its key and the mend.
     pub fn load(path: &Path, overrides: &[(String, String)]) -> Result<Self, Error> {
         if include::is_gltf(path) {
-            return Self::overridden(path, include::scene_of(path)?, overrides, true);
+            let text = include::scene_of(path);
+            return Self::whole(path, parse_document(path, &text, overrides)?, true);
         }
         let text = std::fs::read_to_string(path).map_err(|source| Error::Read {
             path: path.to_owned(),
@@ -82,20 +96,11 @@ impl SceneFile {
     /// # Errors
     /// As there.
     pub fn parse(text: &str, path: &Path, overrides: &[(String, String)]) -> Result<Self, Error> {
-        let root = document::parse(&path.display().to_string(), text)?;
-        Self::overridden(path, root, overrides, false)
+        Self::whole(path, parse_document(path, text, overrides)?, false)
     }
 
-    /// `direct` if the scene is nothing but the glTF file of this path.
-    fn overridden(
-        path: &Path,
-        mut root: Node,
-        overrides: &[(String, String)],
-        direct: bool,
-    ) -> Result<Self, Error> {
-        for (key, value) in overrides {
-            overrides::apply(&mut root, key, value)?;
-        }
+    /// The scene of a tree; `direct` if it is nothing but the glTF file of this path.
+    fn whole(path: &Path, mut root: Node, direct: bool) -> Result<Self, Error> {
         let table = Field::root(&root).table()?;
         table.expect(&SECTIONS);
         table.finish()?;

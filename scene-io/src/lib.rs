@@ -18,7 +18,9 @@ mod material;
 mod media;
 mod obj;
 mod scene;
+mod sources;
 mod spectrum;
+mod summary;
 mod texture;
 mod vol;
 
@@ -29,5 +31,10 @@ pub use host::{Hit, Presence};
 pub use image_out::{Metadata, RenderOutput, View, check_writable, write_exr, write_png};
 pub use material::{fresnel_conductor, fresnel_dielectric};
 pub use scene::Scene;
+pub use sources::sources;
+pub use summary::{
+    CameraSummary, Caustics, GeometrySummary, LightSummary, MediumSummary, Needed, Summary,
+    TransportSummary,
+};
 pub use tyndall_surface::Backend;
 pub use vol::{Volume, read_vol};

@@ -158,6 +158,12 @@ impl<S: Spectrum> Lights<S> {
             .map_or(S::default(), |i| self.lights[i].colour_from(w))
     }
 
+    /// Every light and its power; the primitives of a shape in order.
+    pub(crate) fn powers(&self) -> impl Iterator<Item = (&Source, S)> {
+        let world = self.world;
+        (self.lights.iter()).map(move |light| (&light.source, light.power(world)))
+    }
+
     /// Sum of the powers, mean of the channels.
     pub(crate) fn power(&self) -> f32 {
         let powers = self.lights.iter().map(|l| l.power(self.world).mean());
@@ -241,10 +247,7 @@ impl<S: Spectrum> Lights<S> {
             Source::Point(light) => Some(light.position),
             Source::Spot(light) => Some(light.position),
             Source::Beam(light) => Some(light.pivot(ray)),
-            Source::Area(light) => {
-                let hit = surfaces.sample(light.shape, light.primitive, [u[1], u[2]]);
-                Some(surfaces.surface(&hit).position)
-            }
+            Source::Area(light) => Some(light.pivot([u[1], u[2]], surfaces)),
             Source::Directional(_) | Source::Environment(_) => None,
         }
     }
@@ -275,11 +278,9 @@ impl<S: Spectrum> Lights<S> {
                 let environment = self.environment();
                 environment.map_or(0.0, |(light, pmf)| pmf * light.pdf_w(*w))
             }
-            Anchor::Surface(hit) => self.area_at(hit).map_or(0.0, |(area, pmf)| {
-                let surface = surfaces.surface(&hit.shape);
-                let (wi, distance) = (surface.position - from).normalize_and_length();
-                pmf * area.pdf_direct_w(distance, -wi.dot(surface.geometric_normal))
-            }),
+            Anchor::Surface(hit) => self
+                .area_at(hit)
+                .map_or(0.0, |(_, pmf)| pmf * surfaces.pdf_from_w(&hit.shape, from)),
         }
     }
 
