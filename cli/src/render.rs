@@ -87,7 +87,9 @@ fn render<S: Spectrum>(
     let metadata = Metadata {
         scene: arguments.scene.display().to_string(),
         integrator: describe(name, config),
+        fingerprint: String::new(),
         seed: arguments.seed,
+        first_pass: 0,
         passes: film.passes(),
         seconds: start.elapsed().as_secs_f64(),
         version: env!("CARGO_PKG_VERSION").into(),
@@ -192,6 +194,8 @@ fn write<S: Spectrum>(
         height,
         radiance: &radiance,
         variance: &variance,
+        features: None,
+        view: None,
         metadata,
     };
     write_exr(&arguments.output, &output)?;

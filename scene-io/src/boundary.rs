@@ -7,8 +7,10 @@
 //! without an index of refraction fills the others of its priority and leaves their interfaces.
 //!
 //! A [`MediumId`] names a *state*: the set of boundaries around a point, and the medium that fills
-//! space outside all of them. All states and the steps between them are known at load, so that
-//! crossing a surface is one look into a table.
+//! space outside all of them. A point can be inside of boundaries only if their boxes meet, each with
+//! each: such sets, and the steps between them, are all known at load, and crossing a surface is one
+//! look into a table of those few that can be crossed there. Ten thousand separate trees of glass
+//! make ten thousand states of a step or two, not a table of a hundred million.
 
 use crate::material::nearly_equal;
 use std::collections::HashMap;
@@ -37,19 +39,29 @@ struct State {
     members: Vec<u32>,
 }
 
+/// The state that crossing `boundary` leads to: out of it if the point is inside, else into it.
+#[derive(Clone, Copy, Debug)]
+struct Step {
+    boundary: u32,
+    to: MediumId,
+}
+
 /// All boundaries of a scene, in order of rank.
 #[derive(Clone, Debug)]
 pub(crate) struct Boundaries {
     ranked: Vec<Boundary>,
     of_shape: Vec<Option<u32>>,
+    /// For each boundary those whose boxes meet its own, in order.
+    meeting: Vec<Vec<u32>>,
     states: Vec<State>,
-    /// State after entering and after leaving boundary b in state s: at s·n + b.
-    enter: Vec<MediumId>,
-    leave: Vec<MediumId>,
+    /// For each state its steps by boundary: those of its members and of all that meet every one.
+    steps: Vec<Vec<Step>>,
+    /// For each state that outside of everything, of its base.
+    outside: Vec<MediumId>,
     ambient: MediumId,
 }
 
-/// Steps between states that are kept at most (64 MB).
+/// Steps between states that are kept at most (64 MB), and pairs of boxes that meet.
 const MAX_STEPS: usize = 1 << 23;
 
 impl Boundaries {
@@ -66,11 +78,12 @@ impl Boundaries {
             of_shape[b.shape] = Some(rank as u32);
         }
         let mut table = Self {
+            meeting: meeting(&boundaries)?,
             ranked: boundaries,
             of_shape,
             states: Vec::new(),
-            enter: Vec::new(),
-            leave: Vec::new(),
+            steps: Vec::new(),
+            outside: Vec::new(),
             ambient: MediumId::VACUUM,
         };
         table.fill(ambient).then_some(table)
@@ -82,20 +95,32 @@ impl Boundaries {
         // The first state is vacuum outside of everything: `MediumId::VACUUM`.
         self.intern(&mut ids, outside_all(None));
         self.ambient = self.intern(&mut ids, outside_all(ambient));
-        let mut next = 0;
-        while next < self.states.len() {
-            if self.states.len() * self.ranked.len() > MAX_STEPS {
+        let mut count = 0;
+        while let Some(state) = self.states.get(self.steps.len()).cloned() {
+            let outside = self.intern(&mut ids, outside_all(state.base));
+            self.outside.push(outside);
+            let crossed = self.crossed(&state);
+            count += crossed.len() + state.members.len();
+            if count > MAX_STEPS {
                 return false;
             }
-            for b in 0..self.ranked.len() as u32 {
-                let entered = self.entered(&self.states[next], b);
-                let left = self.left(&self.states[next], b);
-                let entered = self.intern(&mut ids, entered);
-                let left = self.intern(&mut ids, left);
-                self.enter.push(entered);
-                self.leave.push(left);
+            let steps = crossed.into_iter().map(|boundary| {
+                let next = match state.members.binary_search(&boundary) {
+                    Ok(_) => self.left(&state, boundary),
+                    Err(_) => entered(&state, boundary),
+                };
+                let to = self.intern(&mut ids, next);
+                Step { boundary, to }
+            });
+            let steps = steps.collect();
+            self.steps.push(steps);
+            if state.members.is_empty() {
+                // Who leaves what he is not known to be in finds what is around it.
+                let around: Vec<_> = self.ranked.iter().filter_map(|b| b.outside).collect();
+                for base in around {
+                    self.intern(&mut ids, outside_all(base));
+                }
             }
-            next += 1;
         }
         true
     }
@@ -108,15 +133,24 @@ impl Boundaries {
         })
     }
 
-    /// Boundaries whose boxes do not meet that of `b` cannot hold a point of its surface: what
-    /// rounding let a path carry along is dropped here.
-    fn entered(&self, state: &State, b: u32) -> State {
-        let meets = |other: u32| other != b && self.overlap(other, b);
-        let kept = state.members.iter().copied().filter(|&m| meets(m));
-        let mut members: Vec<_> = kept.chain([b]).collect();
-        members.sort_unstable();
-        let base = state.base;
-        State { base, members }
+    /// The boundaries that can be crossed in a state, in order: its members, and what meets all of
+    /// them.
+    fn crossed(&self, state: &State) -> Vec<u32> {
+        let fewest = |&&m: &&u32| self.meeting[m as usize].len();
+        let Some(&narrowest) = state.members.iter().min_by_key(fewest) else {
+            return self.all().collect();
+        };
+        let meets = |b: &u32| {
+            state
+                .members
+                .iter()
+                .all(|&m| m == *b || self.overlap(m, *b))
+        };
+        let near = &self.meeting[narrowest as usize];
+        let mut crossed: Vec<_> = near.iter().copied().filter(meets).collect();
+        crossed.push(narrowest);
+        crossed.sort_unstable();
+        crossed
     }
 
     fn left(&self, state: &State, b: u32) -> State {
@@ -130,11 +164,7 @@ impl Boundaries {
     }
 
     fn overlap(&self, a: u32, b: u32) -> bool {
-        let (a, b) = (
-            self.ranked[a as usize].bounds,
-            self.ranked[b as usize].bounds,
-        );
-        a.min.cmple(b.max).all() && b.min.cmple(a.max).all()
+        overlap(&self.ranked[a as usize], &self.ranked[b as usize])
     }
 
     /// All boundaries.
@@ -174,24 +204,60 @@ impl Boundaries {
 
     /// The state on the side of `b` that is entered or left.
     pub(crate) fn across(&self, b: u32, entering: bool, here: MediumId) -> MediumId {
-        let step = here.0 as usize * self.ranked.len() + b as usize;
-        let steps = if entering { &self.enter } else { &self.leave };
-        steps.get(step).copied().unwrap_or(self.ambient)
+        let Some(state) = self.states.get(here.0 as usize) else {
+            return self.ambient;
+        };
+        if state.members.contains(&b) != entering {
+            return match self.step(b, here) {
+                Some(next) => next,
+                None => self.entered_afresh(b, here),
+            };
+        }
+        // Rounding let a path carry along, or lose, what it now meets: it is where it should be.
+        match self.ranked[b as usize].outside {
+            Some(base) if !entering && state.members.is_empty() => self.outside_with(base),
+            _ => here,
+        }
+    }
+
+    fn step(&self, b: u32, here: MediumId) -> Option<MediumId> {
+        let steps = &self.steps[here.0 as usize];
+        let found = steps.binary_search_by_key(&b, |step| step.boundary);
+        found.ok().map(|i| steps[i].to)
+    }
+
+    /// The state after entering `b`: boundaries whose boxes do not meet its own cannot hold a point
+    /// of its surface, and what rounding let a path carry along is dropped.
+    #[cold]
+    fn entered_afresh(&self, b: u32, here: MediumId) -> MediumId {
+        let members = &self.states[here.0 as usize].members;
+        let kept = members.iter().copied().filter(|&m| self.overlap(m, b));
+        let enter = |state, m| self.step(m, state).unwrap_or(state);
+        kept.chain([b]).fold(self.outside[here.0 as usize], enter)
+    }
+
+    fn outside_with(&self, base: Option<usize>) -> MediumId {
+        let bare = |s: &State| s.members.is_empty() && s.base == base;
+        let found = self
+            .outside
+            .iter()
+            .find(|id| bare(&self.states[id.0 as usize]));
+        found.copied().unwrap_or(self.ambient)
     }
 
     /// Index of refraction inside `b` over that outside, in a path that is in state `here`; 1 if
-    /// the interface is false, or the boundary has no index of its own.
-    pub(crate) fn relative_ior(&self, b: u32, here: MediumId) -> f32 {
+    /// the boundary has no index of its own. `None` if the interface is false.
+    pub(crate) fn relative_ior(&self, b: u32, here: MediumId) -> Option<f32> {
         let Some(inside) = self.ranked[b as usize].ior else {
-            return 1.0;
+            return Some(1.0);
         };
         let members = (self.states.get(here.0 as usize)).map_or(&[][..], |s| &s.members);
         if members.iter().any(|&m| self.hides(m, b)) {
-            return 1.0;
+            return None;
         }
         let mut around = members.iter().rev().filter(|&&m| m != b);
         let outside = around.find_map(|&m| self.ranked[m as usize].ior);
-        inside / outside.unwrap_or(1.0)
+        Some(inside / outside.unwrap_or(1.0))
     }
 
     /// Whether the surface of `b` is not there inside of `a`.
@@ -206,9 +272,9 @@ impl Boundaries {
         let Some(ior) = self.ranked[b as usize].ior else {
             return true;
         };
-        let mut others = self.all().filter(|&o| o != b && self.overlap(o, b));
+        let mut others = self.meeting[b as usize].iter();
         let matches = |other: Option<f32>| other.is_some_and(|other| nearly_equal(ior / other));
-        let hidden = others.any(|o| self.hides(o, b) || matches(self.ranked[o as usize].ior));
+        let hidden = others.any(|&o| self.hides(o, b) || matches(self.ranked[o as usize].ior));
         nearly_equal(ior) || hidden
     }
 }
@@ -216,6 +282,49 @@ impl Boundaries {
 fn outside_all(base: Option<usize>) -> State {
     let members = Vec::new();
     State { base, members }
+}
+
+fn entered(state: &State, b: u32) -> State {
+    let mut members = state.members.clone();
+    members.push(b);
+    members.sort_unstable();
+    let base = state.base;
+    State { base, members }
+}
+
+fn overlap(a: &Boundary, b: &Boundary) -> bool {
+    let (a, b) = (a.bounds, b.bounds);
+    a.min.cmple(b.max).all() && b.min.cmple(a.max).all()
+}
+
+/// For each boundary those whose boxes meet its own, found by a sweep along the longest axis; `None`
+/// if there are too many.
+fn meeting(boundaries: &[Boundary]) -> Option<Vec<Vec<u32>>> {
+    let all = (boundaries.iter()).fold(Aabb::EMPTY, |all, b| all.union(b.bounds));
+    let axis = all.size().max_position();
+    let mut order: Vec<_> = (0..boundaries.len() as u32).collect();
+    let start = |b: u32| boundaries[b as usize].bounds.min[axis];
+    order.sort_by(|&a, &b| start(a).total_cmp(&start(b)));
+    let mut meeting = vec![Vec::new(); boundaries.len()];
+    let (mut open, mut pairs): (Vec<u32>, _) = (Vec::new(), 0);
+    for b in order {
+        let here = &boundaries[b as usize];
+        open.retain(|&a| boundaries[a as usize].bounds.max[axis] >= start(b));
+        for &a in open
+            .iter()
+            .filter(|&&a| overlap(&boundaries[a as usize], here))
+        {
+            meeting[a as usize].push(b);
+            meeting[b as usize].push(a);
+            pairs += 1;
+        }
+        open.push(b);
+        if pairs > MAX_STEPS {
+            return None;
+        }
+    }
+    meeting.iter_mut().for_each(|list| list.sort_unstable());
+    Some(meeting)
 }
 
 #[cfg(test)]
@@ -250,15 +359,15 @@ mod tests {
         let [glass, water] = [0, 1].map(|s| table.of_shape(s).unwrap());
         let air = table.ambient();
         assert_eq!(air, MediumId::VACUUM);
-        assert_eq!(table.relative_ior(glass, air), 1.5);
+        assert_eq!(table.relative_ior(glass, air), Some(1.5));
         let in_glass = table.across(glass, true, air);
         assert_eq!(table.medium(in_glass), Some(0));
         // Inside the wall, the surface of the water is not there.
-        assert_eq!(table.relative_ior(water, in_glass), 1.0);
+        assert_eq!(table.relative_ior(water, in_glass), None);
         let in_both = table.across(water, true, in_glass);
         assert_eq!(table.medium(in_both), Some(0));
         // Leaving the wall into the water: glass against water.
-        assert_eq!(table.relative_ior(glass, in_both), 1.5 / 1.33);
+        assert_eq!(table.relative_ior(glass, in_both), Some(1.5 / 1.33));
         let in_water = table.across(glass, false, in_both);
         assert_eq!(table.medium(in_water), Some(1));
         assert_eq!(table.across(water, false, in_water), air);
@@ -273,7 +382,7 @@ mod tests {
         let in_fog = table.across(fog, true, table.ambient());
         let in_ball = table.across(ball, true, in_fog);
         assert_eq!(table.medium(in_ball), Some(1));
-        assert_eq!(table.relative_ior(ball, in_fog), 1.5);
+        assert_eq!(table.relative_ior(ball, in_fog), Some(1.5));
         assert!(!table.may_be_null(ball) && table.may_be_null(fog));
     }
 
@@ -292,13 +401,13 @@ mod tests {
             (table.relative_ior(glass, in_smoke), table.medium(in_both))
         };
         let tied = table(smoke.clone());
-        assert_eq!(into_glass(&tied), (1.5, Some(1)));
+        assert_eq!(into_glass(&tied), (Some(1.5), Some(1)));
         assert!(!tied.may_be_null(tied.of_shape(0).unwrap()));
         let first = table(Boundary {
             priority: 1,
             ..smoke
         });
-        assert_eq!(into_glass(&first), (1.0, Some(1)));
+        assert_eq!(into_glass(&first), (None, Some(1)));
     }
 
     #[test]
@@ -311,6 +420,52 @@ mod tests {
         let sea = table.of_shape(0).unwrap();
         assert_eq!(table.medium(table.ambient()), Some(7));
         assert_eq!(table.across(sea, false, table.ambient()), MediumId::VACUUM);
+    }
+
+    /// What a table of all steps would be, crossing by crossing, along random ways through boxes
+    /// that overlap here and there.
+    #[test]
+    fn states_hold_what_was_entered_and_not_left() {
+        let boxes: Vec<_> = (0..12)
+            .map(|i| {
+                let mut b = boundary(i, 1.0, Some(1.0 + i as f32), (i % 3) as i32);
+                b.bounds.min.x += 1.5 * i as f32;
+                b.bounds.max.x += 1.5 * i as f32;
+                b
+            })
+            .collect();
+        let table = Boundaries::new(boxes, Some(99)).unwrap();
+        let (mut here, mut inside, mut seed) = (table.ambient(), Vec::<u32>::new(), 1_u32);
+        for _ in 0..10_000 {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            let (b, entering) = ((seed >> 16) % 12, seed >> 31 == 0);
+            here = table.across(b, entering, here);
+            if entering && !inside.contains(&b) {
+                inside.retain(|&m| table.overlap(m, b));
+                inside.push(b);
+                inside.sort_unstable();
+            } else if !entering {
+                inside.retain(|&m| m != b);
+            }
+            assert_eq!(table.states[here.0 as usize].members, inside);
+            assert_eq!(table.states[here.0 as usize].base, Some(99));
+        }
+    }
+
+    #[test]
+    fn ten_thousand_separate_boundaries_in_fog_load() {
+        let balls = (0..10_000).map(|i| {
+            let mut ball = boundary(i + 1, 0.4, Some(1.5), 0);
+            let shift = Vec3::new((i % 100) as f32, 0.0, (i / 100) as f32);
+            ball.bounds.min += shift;
+            ball.bounds.max += shift;
+            ball
+        });
+        let fog = boundary(0, 1e3, None, 0);
+        let table = Boundaries::new(balls.chain([fog]).collect(), None).unwrap();
+        assert_eq!(table.states.len(), 2 * 10_001);
+        let steps: usize = table.steps.iter().map(Vec::len).sum();
+        assert_eq!(steps, 10_001 + 10_001 + 10_000 * 2 + 10_000 * 2);
     }
 
     #[test]

@@ -34,6 +34,16 @@ pub enum Error {
         /// The system's reason.
         source: std::io::Error,
     },
+    /// A glTF file is broken, or asks for what cannot be.
+    #[error("{}: `{field}`: {problem}", path.display())]
+    Gltf {
+        /// The file.
+        path: PathBuf,
+        /// Where in its JSON, as `meshes[2].primitives[0].indices`.
+        field: String,
+        /// What is wrong and how to mend it.
+        problem: String,
+    },
     /// A file could not be written; what was there before is untouched.
     #[error("{}: cannot be written: {reason}", path.display())]
     Write {

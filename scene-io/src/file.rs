@@ -1,6 +1,8 @@
 //! Scene files: TOML in, a checked description out.
 
 mod document;
+mod film;
+mod include;
 mod light;
 mod material;
 mod medium;
@@ -9,7 +11,8 @@ mod reader;
 mod shape;
 mod view;
 
-pub(crate) use material::MediumName;
+pub(crate) use material::{Material, MediumName};
+pub(crate) use shape::{Solid, around_points};
 pub use view::{IntegratorConfig, Scattering};
 
 use crate::camera::Camera;
@@ -19,7 +22,7 @@ use crate::spectrum::is_grey;
 use crate::{Error, Place, Scene};
 use document::Node;
 use glam::DVec3;
-use material::Material;
+use include::Included;
 use reader::{Field, Table};
 use std::path::{Path, PathBuf};
 use tyndall_core::{Aabb, Rgb, Spectrum};
@@ -40,24 +43,30 @@ pub struct SceneFile {
     /// The point of the file that is 0 in the scene.
     pub(crate) origin: DVec3,
     integrator: IntegratorConfig,
+    notices: Vec<String>,
 }
 
 /// A shape, its material by index, and the radiance that it emits.
 #[derive(Clone, Debug)]
 pub(crate) struct Part {
     pub(crate) shape: Shape,
+    /// A box around it; the smallest one if light can enter it.
     pub(crate) bounds: Aabb,
     pub(crate) material: usize,
     pub(crate) emission: Rgb,
 }
 
 impl SceneFile {
-    /// Reads a scene file. `overrides` are pairs of a dotted key and a value as TOML writes it:
+    /// Reads a scene file, or a glTF file (by its name, `.gltf` or `.glb`) as a scene file that
+    /// includes nothing else. `overrides` are pairs of a dotted key and a value as TOML writes it:
     /// they replace a value or add one that the table could hold.
     ///
     /// # Errors
     /// The first thing that is wrong: its place, its key and the mend.
     pub fn load(path: &Path, overrides: &[(String, String)]) -> Result<Self, Error> {
+        if include::is_gltf(path) {
+            return Self::overridden(path, include::scene_of(path), overrides, true);
+        }
         let text = std::fs::read_to_string(path).map_err(|source| Error::Read {
             path: path.to_owned(),
             source,
@@ -71,36 +80,67 @@ impl SceneFile {
     /// # Errors
     /// As there.
     pub fn parse(text: &str, path: &Path, overrides: &[(String, String)]) -> Result<Self, Error> {
-        let mut root = document::parse(&path.display().to_string(), text)?;
+        let root = document::parse(&path.display().to_string(), text)?;
+        Self::overridden(path, root, overrides, false)
+    }
+
+    /// `direct` if the scene is nothing but the glTF file of this path.
+    fn overridden(
+        path: &Path,
+        mut root: Node,
+        overrides: &[(String, String)],
+        direct: bool,
+    ) -> Result<Self, Error> {
         for (key, value) in overrides {
             overrides::apply(&mut root, key, value)?;
         }
-        Self::read(path, &root)
-    }
-
-    fn read(path: &Path, root: &Node) -> Result<Self, Error> {
-        let folder = path.parent().unwrap_or(Path::new(""));
-        let table = Field::root(root).table()?;
+        let table = Field::root(&root).table()?;
         table.expect(&SECTIONS);
         table.finish()?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let included = Included::read(&listed(&table, "include")?, folder, direct)?;
+        drop(table);
+        included.look_through(&mut root, path)?;
+        Self::read(path, &root, included)
+    }
+
+    fn read(path: &Path, root: &Node, mut included: Included) -> Result<Self, Error> {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let table = Field::root(root).table()?;
         let media = media_fields(&table)?;
         let names: Vec<_> = media.iter().map(|(name, _)| *name).collect();
-        let (materials, placed) = materials_and_shapes(&table, folder, &names)?;
+        let mut media_names: Vec<_> = names.iter().map(|&name| name.into()).collect();
+        let mut shapes = materials_and_shapes(&table, folder, &names)?;
+        let fields = listed(&table, "include")?;
+        let included_media = included.add_to(&fields, &mut shapes, &mut media_names)?;
+        let (materials, placed) = (shapes.materials, shapes.placed);
         let origin = origin(&placed);
         let (camera, film) = (table.required("camera")?, table.required("film")?);
         let (camera, camera_medium) = view::read(&camera, &film, &names, origin)?;
         let media = (media.iter()).map(|(_, field)| medium::read(field, folder, origin));
+        let place = |p: shape::Placed| {
+            let is_boundary = materials[p.material].bsdf.transmits();
+            p.place(origin, is_boundary)
+        };
+        let parts = placed.into_iter().map(place).collect();
+        let lamps = included.lamps().map(|lamp| lamp.place(origin));
         Ok(Self {
             path: path.to_owned(),
             camera,
             camera_medium,
-            media: media.collect::<Result<_, _>>()?,
-            media_names: names.iter().map(|&name| name.into()).collect(),
+            media: media
+                .chain(included_media.into_iter().map(Ok))
+                .collect::<Result<_, _>>()?,
+            media_names,
             materials,
-            parts: placed.into_iter().map(|p| p.place(origin)).collect(),
-            lights: lights(&table, origin)?,
+            parts,
+            lights: lights(&table, folder, origin)?
+                .into_iter()
+                .chain(lamps)
+                .collect(),
             origin,
             integrator: view::read_integrator(table.optional("integrator").as_ref())?,
+            notices: included.notices().collect(),
         })
     }
 
@@ -110,10 +150,20 @@ impl SceneFile {
         let mut see = |colour| grey &= is_grey(colour);
         for part in &self.parts {
             see(part.emission);
-            self.materials[part.material].bsdf.map(&mut see);
+            self.materials[part.material].bsdf.map(|colour| {
+                see(colour);
+                colour
+            });
         }
         self.lights.iter().for_each(|light| see(light.colour));
-        grey && self.media.iter().all(MediumDescription::is_grey)
+        grey &= self.lights.iter().all(|light| light.source.is_grey());
+        let textured = |part: &Part| self.materials[part.material].maps.are_grey();
+        grey && self.parts.iter().all(textured) && self.media.iter().all(MediumDescription::is_grey)
+    }
+
+    /// What of the files was left out, a line each: for people to read.
+    pub fn notices(&self) -> &[String] {
+        &self.notices
     }
 
     /// Which integrator the file asks for.
@@ -140,9 +190,14 @@ impl SceneFile {
 }
 
 impl shape::Placed {
-    fn place(self, origin: DVec3) -> Part {
+    fn place(self, origin: DVec3, is_boundary: bool) -> Part {
+        let bounds = if is_boundary {
+            self.solid.tight_bounds()
+        } else {
+            self.solid.bounds()
+        };
         Part {
-            bounds: shape::rounded(self.solid.bounds(), origin),
+            bounds: shape::rounded(bounds, origin),
             shape: self.solid.place(origin),
             material: self.material,
             emission: self.emission,
@@ -152,11 +207,7 @@ impl shape::Placed {
 
 /// The centre of the shapes if it is farther from 0 than they are large, else 0.
 fn origin(placed: &[shape::Placed]) -> DVec3 {
-    let empty = [DVec3::INFINITY, DVec3::NEG_INFINITY];
-    let [min, max] = (placed.iter()).fold(empty, |[min, max], p| {
-        let [a, b] = p.solid.bounds();
-        [min.min(a), max.max(b)]
-    });
+    let [min, max] = around_points(placed.iter().flat_map(|p| p.solid.bounds()));
     let center = 0.5 * (min + max);
     if center.length() > (max - min).length() {
         center
@@ -166,7 +217,7 @@ fn origin(placed: &[shape::Placed]) -> DVec3 {
 }
 
 /// The tables that a file may have.
-const SECTIONS: [&str; 8] = [
+const SECTIONS: [&str; 9] = [
     "camera",
     "film",
     "integrator",
@@ -175,6 +226,7 @@ const SECTIONS: [&str; 8] = [
     "shapes",
     "lights",
     "environment",
+    "include",
 ];
 
 fn media_fields<'a>(table: &Table<'a>) -> Result<Vec<(&'a str, Field<'a>)>, Error> {
@@ -185,11 +237,11 @@ fn media_fields<'a>(table: &Table<'a>) -> Result<Vec<(&'a str, Field<'a>)>, Erro
     }
 }
 
-fn materials_and_shapes(
+fn materials_and_shapes<'a>(
     table: &Table<'_>,
-    folder: &Path,
+    folder: &'a Path,
     media: &[&str],
-) -> Result<(Vec<Material>, Vec<shape::Placed>), Error> {
+) -> Result<shape::Reader<'a>, Error> {
     let mut reader = shape::Reader {
         folder,
         names: Vec::new(),
@@ -203,14 +255,16 @@ fn materials_and_shapes(
     for field in listed(table, "shapes")? {
         reader.read(&field)?;
     }
-    Ok((reader.materials, reader.placed))
+    Ok(reader)
 }
 
-fn lights(table: &Table<'_>, origin: DVec3) -> Result<Vec<Light<Rgb>>, Error> {
+fn lights(table: &Table<'_>, folder: &Path, origin: DVec3) -> Result<Vec<Light<Rgb>>, Error> {
     let fields = listed(table, "lights")?;
     let listed = fields.iter().map(|field| light::read(field, origin));
     let environment = table.optional("environment");
-    let environment = environment.iter().map(light::read_environment);
+    let environment = environment
+        .iter()
+        .map(|field| light::read_environment(field, folder));
     listed.chain(environment).collect()
 }
 

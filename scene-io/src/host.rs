@@ -1,7 +1,8 @@
 //! The scene as a host: all capability traits of `tyndall_core`.
 
-use crate::Scene;
+use crate::look::Look;
 use crate::material::Bsdf;
+use crate::{Scene, mapping};
 use glam::Vec3;
 use tyndall_core::{
     Aabb, Anchor, BsdfSample, DirectSample, EmissionPdf, EmissionSample, Frame, Geometry,
@@ -20,12 +21,29 @@ pub struct Hit {
     /// Index of refraction behind the surface (against its normal) over that before it; 1 if
     /// light passes straight.
     pub eta: f32,
+    /// Whether it is there at all.
+    pub presence: Presence,
+}
+
+/// Whether a surface is there for a path that meets it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Presence {
+    /// It is.
+    There,
+    /// It is not, for a boundary of higher priority is around it. Crossing it still counts.
+    Outranked,
+    /// It is not: alpha cuts a hole there, and crossing it means nothing.
+    Cut,
 }
 
 impl Hit {
     /// A point on a light, which nothing is scattered at.
     pub(crate) fn on_light(shape: ShapeHit) -> Self {
-        Self { shape, eta: 1.0 }
+        Self {
+            shape,
+            eta: 1.0,
+            presence: Presence::There,
+        }
     }
 }
 
@@ -51,12 +69,26 @@ impl<S: Spectrum> Geometry for Scene<S> {
     fn intersect(&self, ray: &Ray, here: MediumId) -> Option<(f32, Hit)> {
         let (t, shape) = self.surfaces.intersect(ray)?;
         let boundary = self.boundaries.of_shape(shape.shape);
-        let eta = boundary.map_or(1.0, |b| self.boundaries.relative_ior(b, here));
-        Some((t, Hit { shape, eta }))
+        let eta = boundary.map_or(Some(1.0), |b| self.boundaries.relative_ior(b, here));
+        let presence = match eta {
+            _ if self.look(shape.shape).is_cut(&self.surfaces, &shape) => Presence::Cut,
+            None => Presence::Outranked,
+            Some(_) => Presence::There,
+        };
+        let hit = Hit {
+            shape,
+            eta: eta.unwrap_or(1.0),
+            presence,
+        };
+        Some((t, hit))
     }
 
     fn surface(&self, hit: &Hit) -> Surface {
-        self.surfaces.surface(&hit.shape)
+        let surface = self.surfaces.surface(&hit.shape);
+        match self.look(hit.shape.shape).normal_map() {
+            Some(map) => mapping::bend(surface, map, &self.surfaces, &hit.shape),
+            None => surface,
+        }
     }
 
     fn spawn(&self, from: &Anchor<Hit>, direction: Vec3) -> Ray {
@@ -107,22 +139,35 @@ impl Point {
 }
 
 impl<S: Spectrum> Scene<S> {
-    fn bsdf(&self, hit: &Hit) -> &Bsdf<S> {
-        &self.looks[hit.shape.shape as usize].bsdf
+    fn look(&self, shape: u32) -> &Look<S> {
+        &self.looks[shape as usize]
+    }
+
+    /// `None` if the surface is not there.
+    pub(crate) fn bsdf(&self, hit: &Hit) -> Option<Bsdf<S>> {
+        let look = self.look(hit.shape.shape);
+        (hit.presence == Presence::There).then(|| look.bsdf(&self.surfaces, &hit.shape))
+    }
+
+    /// Radiance on the side of the normal.
+    fn radiance(&self, hit: &ShapeHit) -> S {
+        self.look(hit.shape).radiance(&self.surfaces, hit)
     }
 }
 
 impl<S: Spectrum> Shading for Scene<S> {
     fn surface_kind(&self, hit: &Hit) -> SurfaceKind {
-        self.bsdf(hit).kind(hit.eta)
+        (self.bsdf(hit)).map_or(SurfaceKind::Null, |bsdf| bsdf.kind(hit.eta))
     }
 
     fn bsdf_eval(&self, hit: &Hit, wo: Vec3, wi: Vec3, from: PathFrom) -> S {
         let point = Point::new(self.surface(hit));
-        let (Some(o), Some(i)) = (point.to_local(wo), point.to_local(wi)) else {
+        let (Some(bsdf), Some(o), Some(i)) =
+            (self.bsdf(hit), point.to_local(wo), point.to_local(wi))
+        else {
             return S::default();
         };
-        self.bsdf(hit).eval(o, i, hit.eta, from) * point.correction(wo, wi, from)
+        bsdf.eval(o, i, hit.eta, from) * point.correction(wo, wi, from)
     }
 
     fn bsdf_sample(
@@ -132,7 +177,8 @@ impl<S: Spectrum> Shading for Scene<S> {
         u: [f32; 3],
         from: PathFrom,
     ) -> Option<BsdfSample<S>> {
-        if self.surface_kind(hit) == SurfaceKind::Null {
+        let bsdf = self.bsdf(hit);
+        let Some(bsdf) = bsdf.filter(|b| b.kind(hit.eta) != SurfaceKind::Null) else {
             return Some(BsdfSample {
                 wi: -wo,
                 weight: S::splat(1.0),
@@ -140,9 +186,9 @@ impl<S: Spectrum> Shading for Scene<S> {
                 delta: true,
                 eta: 1.0,
             });
-        }
+        };
         let point = Point::new(self.surface(hit));
-        let sample = (self.bsdf(hit)).sample(point.to_local(wo)?, u, hit.eta, from)?;
+        let sample = bsdf.sample(point.to_local(wo)?, u, hit.eta, from)?;
         let wi = point.frame.to_world(sample.wi);
         point.to_local(wi)?;
         Some(BsdfSample {
@@ -153,24 +199,24 @@ impl<S: Spectrum> Shading for Scene<S> {
     }
 
     fn emitted(&self, hit: &Hit, wo: Vec3) -> S {
-        let emission = self.looks[hit.shape.shape as usize].emission;
-        if !emission.is_black() && self.surface(hit).geometric_normal.dot(wo) > 0.0 {
-            emission
+        let glows = !self.look(hit.shape.shape).emission.is_black();
+        if glows && self.surfaces.surface(&hit.shape).geometric_normal.dot(wo) > 0.0 {
+            self.radiance(&hit.shape)
         } else {
             S::default()
         }
     }
 
-    fn background(&self, _: Vec3) -> S {
-        self.lights.background()
+    fn background(&self, direction: Vec3) -> S {
+        self.lights.background(direction)
     }
 }
 
 impl<S: Spectrum> ShadingPdf for Scene<S> {
     fn bsdf_pdf_w(&self, hit: &Hit, wo: Vec3, wi: Vec3, _: PathFrom) -> f32 {
         let point = Point::new(self.surface(hit));
-        match (point.to_local(wo), point.to_local(wi)) {
-            (Some(wo), Some(wi)) => self.bsdf(hit).pdf_w(wo, wi, hit.eta),
+        match (self.bsdf(hit), point.to_local(wo), point.to_local(wi)) {
+            (Some(bsdf), Some(wo), Some(wi)) => bsdf.pdf_w(wo, wi, hit.eta),
             _ => 0.0,
         }
     }
@@ -182,10 +228,16 @@ impl<S: Spectrum> Media for Scene<S> {
     }
 
     fn medium_across(&self, hit: &Hit, direction: Vec3, here: MediumId) -> MediumId {
-        let Some(boundary) = self.boundaries.of_shape(hit.shape.shape) else {
+        let boundary = self.boundaries.of_shape(hit.shape.shape);
+        let Some(boundary) = boundary.filter(|_| hit.presence != Presence::Cut) else {
             return here;
         };
-        let entering = self.surface(hit).geometric_normal.dot(direction) < 0.0;
+        let entering = self
+            .surfaces
+            .surface(&hit.shape)
+            .geometric_normal
+            .dot(direction)
+            < 0.0;
         self.boundaries.across(boundary, entering, here)
     }
 
@@ -196,13 +248,15 @@ impl<S: Spectrum> Media for Scene<S> {
 
 impl<S: Spectrum> LightEmission for Scene<S> {
     fn sample_emission(&self, u: [f32; 6]) -> Option<EmissionSample<S, Hit>> {
-        (self.lights).sample_emission(u, &self.surfaces, |p| self.locate(p))
+        let radiance = |hit: &ShapeHit| self.radiance(hit);
+        (self.lights).sample_emission(u, &self.surfaces, radiance, |p| self.locate(p))
     }
 }
 
 impl<S: Spectrum> LightDirect for Scene<S> {
     fn sample_direct(&self, from: Vec3, u: [f32; 4]) -> Option<DirectSample<S, Hit>> {
-        self.lights.sample_direct(from, u, &self.surfaces)
+        let radiance = |hit: &ShapeHit| self.radiance(hit);
+        self.lights.sample_direct(from, u, &self.surfaces, radiance)
     }
 
     fn pivot(&self, ray: &Ray, u: [f32; 4]) -> Option<Vec3> {
@@ -226,8 +280,9 @@ impl<S: Spectrum> Sensor for Scene<S> {
     }
 
     fn sensor_ray(&self, px: [u32; 2], u: [f32; 4]) -> SensorRay<S> {
-        let ray = self.camera.ray(px, u);
+        let (ray, weight) = self.camera.ray(px, u);
         SensorRay {
+            weight: S::splat(weight),
             pdf_w: self.camera.pdf_w(ray.direction),
             ..SensorRay::new(ray, self.camera_medium)
         }

@@ -3,23 +3,30 @@
 
 mod boundary;
 mod camera;
+mod environment_image;
 mod error;
+mod features;
 mod file;
+mod gltf;
 mod host;
 mod image_out;
 mod light;
 mod locate;
+mod look;
+mod mapping;
 mod material;
 mod media;
 mod obj;
 mod scene;
 mod spectrum;
+mod texture;
 mod vol;
 
 pub use error::{Error, Place};
+pub use features::Features;
 pub use file::{IntegratorConfig, Scattering, SceneFile};
-pub use host::Hit;
-pub use image_out::{Metadata, RenderOutput, check_writable, write_exr, write_png};
+pub use host::{Hit, Presence};
+pub use image_out::{Metadata, RenderOutput, View, check_writable, write_exr, write_png};
 pub use material::{fresnel_conductor, fresnel_dielectric};
 pub use scene::Scene;
 pub use tyndall_surface::Backend;

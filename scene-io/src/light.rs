@@ -14,11 +14,12 @@ mod spot;
 pub(crate) use area::Area;
 pub(crate) use beam::Beam;
 pub(crate) use directional::Directional;
-pub(crate) use environment::Environment;
+pub(crate) use environment::{Environment, Sky};
 pub(crate) use point::Point;
 pub(crate) use spot::{Spot, cone_height, cone_power};
 
 use crate::host::Hit;
+use crate::spectrum::convert;
 use choice::Choice;
 use glam::Vec3;
 use std::f32::consts::PI;
@@ -26,18 +27,18 @@ use tyndall_core::{
     Aabb, Anchor, DirectSample, EmissionPdf, EmissionSample, Frame, LightKind, MediumId, Ray,
     Spectrum, warp,
 };
-use tyndall_surface::Surfaces;
+use tyndall_surface::{ShapeHit, Surfaces};
 
 /// A source of light: all it sends is in proportion to its colour.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Light<S> {
-    /// See the kinds for what it is the colour of.
+    /// See the kinds for what it is the colour of; of a textured surface the mean.
     pub(crate) colour: S,
     pub(crate) source: Source,
 }
 
 /// A kind of light; it emits what its colour says, here taken to be 1.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) enum Source {
     Point(Point),
     Spot(Spot),
@@ -123,7 +124,6 @@ pub(crate) struct Lights<S> {
     /// Index of the light that primitive 0 of a shape is.
     first_of_shape: Vec<Option<usize>>,
     environment: Option<usize>,
-    background: S,
     world: World,
     /// What lies outside of everything.
     ambient: MediumId,
@@ -144,7 +144,6 @@ impl<S: Spectrum> Lights<S> {
         let environment = lights.iter().position(is_environment);
         Self {
             choice: Choice::new(weights(&lights, world).into_iter()),
-            background: environment.map_or(S::default(), |i| lights[i].colour),
             environment,
             lights,
             first_of_shape,
@@ -153,9 +152,10 @@ impl<S: Spectrum> Lights<S> {
         }
     }
 
-    /// Radiance from infinity.
-    pub(crate) fn background(&self) -> S {
-        self.background
+    /// Radiance from infinity, from the direction `w`.
+    pub(crate) fn background(&self, w: Vec3) -> S {
+        self.environment
+            .map_or(S::default(), |i| self.lights[i].colour_from(w))
     }
 
     /// Sum of the powers, mean of the channels.
@@ -166,24 +166,29 @@ impl<S: Spectrum> Lights<S> {
 
     pub(crate) fn sample_emission(
         &self,
-        [u0, u1, u2, u3, u4, _]: [f32; 6],
+        [u0, u1, u2, u3, u4, u5]: [f32; 6],
         surfaces: &Surfaces,
+        radiance: impl Fn(&ShapeHit) -> S,
         locate: impl Fn(Vec3) -> MediumId,
     ) -> Option<EmissionSample<S, Hit>> {
         let (i, pmf) = self.choice.sample(u0)?;
         let (world, ambient) = (self.world, self.ambient);
-        let sample = match &self.lights[i].source {
+        let light = &self.lights[i];
+        let sample = match &light.source {
             Source::Point(light) => light.sample_emission([u1, u2]),
             Source::Spot(light) => light.sample_emission([u1, u2]),
             Source::Directional(light) => light.sample_emission([u1, u2], world, ambient),
             Source::Beam(light) => light.sample_emission([u1, u2]),
             Source::Area(light) => light.sample_emission([u1, u2, u3, u4], surfaces, locate),
-            Source::Environment(light) => light.sample_emission([u1, u2, u3, u4], world, ambient),
+            Source::Environment(light) => {
+                light.sample_emission([u1, u2, u3, u4, u5], world, ambient)?
+            }
         };
-        Some(EmissionSample {
+        let flux = self.colour(i, &sample.source, radiance) * (sample.flux / pmf);
+        (!flux.is_black()).then_some(EmissionSample {
             source: sample.source,
             ray: sample.ray,
-            flux: self.lights[i].colour * (sample.flux / pmf),
+            flux,
             pdf: chosen(sample.pdf, pmf),
             cos_theta: sample.cos_theta,
             kind: sample.kind,
@@ -194,19 +199,21 @@ impl<S: Spectrum> Lights<S> {
     pub(crate) fn sample_direct(
         &self,
         from: Vec3,
-        [u0, u1, u2, _]: [f32; 4],
+        [u0, u1, u2, u3]: [f32; 4],
         surfaces: &Surfaces,
+        radiance: impl Fn(&ShapeHit) -> S,
     ) -> Option<DirectSample<S, Hit>> {
         let (i, pmf) = self.choice.sample(u0)?;
-        let sample = match &self.lights[i].source {
+        let light = &self.lights[i];
+        let sample = match &light.source {
             Source::Point(light) => light.sample_direct(from),
             Source::Spot(light) => light.sample_direct(from),
             Source::Directional(light) => light.sample_direct(self.world),
             Source::Beam(light) => light.sample_direct(from)?,
             Source::Area(light) => light.sample_direct(from, [u1, u2], surfaces)?,
-            Source::Environment(light) => light.sample_direct([u1, u2], self.world),
+            Source::Environment(light) => light.sample_direct([u1, u2, u3], self.world)?,
         };
-        let weight = self.lights[i].colour * (sample.weight / pmf);
+        let weight = self.colour(i, &sample.target, radiance) * (sample.weight / pmf);
         (weight.is_finite() && !weight.is_black()).then_some(DirectSample {
             target: sample.target,
             wi: sample.wi,
@@ -216,6 +223,15 @@ impl<S: Spectrum> Lights<S> {
             cos_theta: sample.cos_theta,
             kind: sample.kind,
         })
+    }
+
+    /// The colour of light `i` at a point of it; `radiance` is that of surfaces.
+    fn colour(&self, i: usize, at: &Anchor<Hit>, radiance: impl Fn(&ShapeHit) -> S) -> S {
+        match at {
+            Anchor::Surface(hit) => radiance(&hit.shape),
+            Anchor::Direction(w) => self.lights[i].colour_from(*w),
+            Anchor::Point(_) => self.lights[i].colour,
+        }
     }
 
     /// See [`tyndall_core::LightDirect::pivot`].
@@ -233,6 +249,15 @@ impl<S: Spectrum> Lights<S> {
         }
     }
 
+    /// The environment, and the probability of its choice.
+    fn environment(&self) -> Option<(&Environment, f32)> {
+        let i = self.environment?;
+        match &self.lights[i].source {
+            Source::Environment(environment) => Some((environment, self.choice.pmf(i))),
+            _ => None,
+        }
+    }
+
     /// The light that a hit lies on, and the probability of its choice.
     fn area_at(&self, hit: &Hit) -> Option<(&Area, f32)> {
         let i =
@@ -246,9 +271,9 @@ impl<S: Spectrum> Lights<S> {
     pub(crate) fn pdf_direct_w(&self, from: Vec3, to: &Anchor<Hit>, surfaces: &Surfaces) -> f32 {
         match to {
             Anchor::Point(_) => 0.0,
-            Anchor::Direction(_) => {
-                let pmf = self.environment.map_or(0.0, |i| self.choice.pmf(i));
-                environment::PDF_W * pmf
+            Anchor::Direction(w) => {
+                let environment = self.environment();
+                environment.map_or(0.0, |(light, pmf)| pmf * light.pdf_w(*w))
             }
             Anchor::Surface(hit) => self.area_at(hit).map_or(0.0, |(area, pmf)| {
                 let surface = surfaces.surface(&hit.shape);
@@ -266,10 +291,8 @@ impl<S: Spectrum> Lights<S> {
     ) -> EmissionPdf {
         let pdf = match at {
             Anchor::Point(_) => None,
-            Anchor::Direction(_) => self.environment.map(|i| {
-                let pmf = self.choice.pmf(i);
-                chosen(environment::pdf_emission(self.world), pmf)
-            }),
+            Anchor::Direction(w) => (self.environment())
+                .map(|(light, pmf)| chosen(light.pdf_emission(*w, self.world), pmf)),
             Anchor::Surface(hit) => self.area_at(hit).map(|(area, pmf)| {
                 let normal = surfaces.surface(&hit.shape).geometric_normal;
                 chosen(area.pdf_emission(direction.dot(normal)), pmf)
@@ -281,15 +304,27 @@ impl<S: Spectrum> Lights<S> {
 
 impl<S: Spectrum> Light<S> {
     fn power(&self, world: World) -> S {
-        self.colour
-            * match &self.source {
-                Source::Point(light) => light.power(),
-                Source::Spot(light) => light.power(),
-                Source::Directional(light) => light.power(world),
-                Source::Beam(_) => 1.0,
-                Source::Area(light) => light.power(),
-                Source::Environment(light) => light.power(world),
+        let power = match &self.source {
+            Source::Point(light) => light.power(),
+            Source::Spot(light) => light.power(),
+            Source::Directional(light) => light.power(world),
+            Source::Beam(_) => 1.0,
+            Source::Area(light) => light.power(),
+            Source::Environment(light) => {
+                return self.colour * convert::<S>(light.power(world));
             }
+        };
+        self.colour * power
+    }
+
+    /// The colour of light that arrives from the direction `w`.
+    fn colour_from(&self, w: Vec3) -> S {
+        match &self.source {
+            Source::Environment(Environment::Image(sky)) => {
+                self.colour * convert::<S>(sky.radiance(w))
+            }
+            _ => self.colour,
+        }
     }
 
     /// The same light in other channels.
@@ -309,6 +344,14 @@ impl Source {
             Self::Spot(light) => Some(light.position),
             Self::Beam(light) => Some(light.position),
             Self::Directional(_) | Self::Area(_) | Self::Environment(_) => None,
+        }
+    }
+
+    /// Whether it has no colours of its own.
+    pub(crate) fn is_grey(&self) -> bool {
+        match self {
+            Self::Environment(Environment::Image(sky)) => sky.is_grey(),
+            _ => true,
         }
     }
 

@@ -1,8 +1,9 @@
 //! Finds the boundaries that a point is inside of, by the crossings of rays.
 
 use crate::boundary::Boundaries;
+use crate::look::Look;
 use glam::Vec3;
-use tyndall_core::{Anchor, Ray};
+use tyndall_core::{Anchor, Ray, Spectrum};
 use tyndall_surface::Surfaces;
 
 /// Directions that no wall of a scene is likely to be parallel to.
@@ -13,8 +14,13 @@ const DIRECTIONS: [Vec3; 3] = [
 ];
 
 /// The boundaries around `p`: those that most of three rays leave more often than they enter.
-/// Open surfaces contain nothing.
-pub(crate) fn boundaries_around(p: Vec3, surfaces: &Surfaces, boundaries: &Boundaries) -> Vec<u32> {
+/// Open surfaces contain nothing; holes cut by alpha are not crossed.
+pub(crate) fn boundaries_around<S: Spectrum>(
+    p: Vec3,
+    surfaces: &Surfaces,
+    boundaries: &Boundaries,
+    looks: &[Look<S>],
+) -> Vec<u32> {
     let around = boundaries
         .all()
         .filter(|&b| boundaries.bounds(b).contains(p));
@@ -27,7 +33,8 @@ pub(crate) fn boundaries_around(p: Vec3, surfaces: &Surfaces, boundaries: &Bound
         let mut crossings: Vec<_> = candidates.iter().map(|&(b, _)| (b, 0)).collect();
         let mut ray = Ray::new(p, direction);
         while let Some((_, hit)) = surfaces.intersect(&ray) {
-            let crossed = boundaries.of_shape(hit.shape);
+            let cut = looks[hit.shape as usize].is_cut(surfaces, &hit);
+            let crossed = boundaries.of_shape(hit.shape).filter(|_| !cut);
             if let Some((_, n)) = crossings.iter_mut().find(|(b, _)| Some(*b) == crossed) {
                 let leaving = surfaces.surface(&hit).geometric_normal.dot(direction) > 0.0;
                 *n += if leaving { 1 } else { -1 };

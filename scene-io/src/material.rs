@@ -3,13 +3,19 @@
 //! Directions are unit, in a frame whose z axis is the normal, and point away from the surface.
 //! `eta` is the index of refraction behind the surface (z < 0) over that before it.
 
+mod albedo;
 mod conductor;
 mod dielectric;
+mod facets;
 mod fresnel;
 mod ggx;
-mod rough_dielectric;
+mod maps;
+mod metallic_roughness;
 
+pub(crate) use conductor::RoughConductor;
 pub use fresnel::{fresnel_conductor, fresnel_dielectric};
+pub(crate) use maps::{AlphaMode, Map, Maps, NormalMap, ScalarMap};
+pub(crate) use metallic_roughness::MetallicRoughness;
 
 use glam::Vec3;
 use std::f32::consts::FRAC_1_PI;
@@ -29,13 +35,6 @@ pub(crate) enum Bsdf<S> {
         /// Index of refraction inside.
         ior: f32,
     },
-    /// Frosted glass.
-    RoughDielectric {
-        /// Index of refraction inside.
-        ior: f32,
-        /// Roughness α of the GGX distribution.
-        alpha: f32,
-    },
     /// Polished metal, on both sides.
     Conductor {
         /// Real part of the index of refraction.
@@ -44,62 +43,54 @@ pub(crate) enum Bsdf<S> {
         k: S,
     },
     /// Brushed or sandblasted metal, on both sides.
-    RoughConductor {
-        /// Real part of the index of refraction.
-        eta: S,
-        /// Imaginary part.
-        k: S,
-        /// Roughness α of the GGX distribution.
-        alpha: f32,
-    },
+    RoughConductor(RoughConductor<S>),
+    /// The material of glTF; frosted glass.
+    MetallicRoughness(MetallicRoughness<S>),
 }
 
-impl<S> Bsdf<S> {
+impl<S: Spectrum> Bsdf<S> {
     /// Index of refraction behind the surface; `None` if it has none of its own.
     pub(crate) fn ior(&self) -> Option<f32> {
         match self {
-            Self::Dielectric { ior } | Self::RoughDielectric { ior, .. } => Some(*ior),
+            Self::Dielectric { ior } => Some(*ior),
+            Self::MetallicRoughness(m) if m.is_body() => Some(m.ior),
             _ => None,
         }
     }
 
-    /// Whether light can pass.
+    /// Whether light can enter what is behind it.
     pub(crate) fn transmits(&self) -> bool {
         matches!(self, Self::Null) || self.ior().is_some()
     }
 
     /// The same function with other channels.
-    pub(crate) fn map<T>(self, mut f: impl FnMut(S) -> T) -> Bsdf<T> {
+    pub(crate) fn map<T: Spectrum>(self, mut f: impl FnMut(S) -> T) -> Bsdf<T> {
         match self {
             Self::Null => Bsdf::Null,
             Self::Diffuse(reflectance) => Bsdf::Diffuse(f(reflectance)),
             Self::Mirror(reflectance) => Bsdf::Mirror(f(reflectance)),
             Self::Dielectric { ior } => Bsdf::Dielectric { ior },
-            Self::RoughDielectric { ior, alpha } => Bsdf::RoughDielectric { ior, alpha },
             Self::Conductor { eta, k } => Bsdf::Conductor {
                 eta: f(eta),
                 k: f(k),
             },
-            Self::RoughConductor { eta, k, alpha } => Bsdf::RoughConductor {
-                eta: f(eta),
-                k: f(k),
-                alpha,
-            },
+            Self::RoughConductor(m) => {
+                Bsdf::RoughConductor(RoughConductor::new(f(m.eta), f(m.k), m.alpha))
+            }
+            Self::MetallicRoughness(m) => Bsdf::MetallicRoughness(m.map(f)),
         }
     }
-}
 
-impl<S: Spectrum> Bsdf<S> {
     /// What it is between media of relative index `eta`: of equal index, glass is not there.
     pub(crate) fn kind(&self, eta: f32) -> SurfaceKind {
         match self {
             Self::Null => SurfaceKind::Null,
             Self::Dielectric { .. } if eta == 1.0 => SurfaceKind::Null,
-            Self::RoughDielectric { .. } if nearly_equal(eta) => SurfaceKind::Null,
             Self::Mirror(_) | Self::Dielectric { .. } | Self::Conductor { .. } => {
                 SurfaceKind::Delta
             }
-            _ => SurfaceKind::Finite,
+            Self::MetallicRoughness(m) => m.kind(eta),
+            Self::Diffuse(_) | Self::RoughConductor(_) => SurfaceKind::Finite,
         }
     }
 
@@ -107,11 +98,18 @@ impl<S: Spectrum> Bsdf<S> {
     pub(crate) fn eval(&self, wo: Vec3, wi: Vec3, eta: f32, from: PathFrom) -> S {
         match *self {
             Self::Diffuse(reflectance) if same_side(wo, wi) => reflectance * FRAC_1_PI,
-            Self::RoughDielectric { alpha, .. } if !nearly_equal(eta) => {
-                S::splat(rough_dielectric::eval(wo, wi, eta, alpha, from))
-            }
-            Self::RoughConductor { eta, k, alpha } => conductor::eval(wo, wi, eta, k, alpha),
-            _ => S::default(),
+            _ => self.rough(wo, wi, eta, from).0,
+        }
+    }
+
+    /// The colour that a denoiser takes to be the surface's own, 0 to 1: what is reflected of light
+    /// of normal incidence, and 1 where directions are discrete and where light passes.
+    pub(crate) fn albedo(&self) -> S {
+        match *self {
+            Self::Diffuse(reflectance) => reflectance,
+            Self::RoughConductor(m) => conductor::reflectance(1.0, m.eta, m.k),
+            Self::MetallicRoughness(m) if !m.is_body() => m.base_color,
+            _ => S::splat(1.0),
         }
     }
 
@@ -119,11 +117,18 @@ impl<S: Spectrum> Bsdf<S> {
     pub(crate) fn pdf_w(&self, wo: Vec3, wi: Vec3, eta: f32) -> f32 {
         match *self {
             Self::Diffuse(_) if same_side(wo, wi) => warp::cosine_hemisphere_pdf_w(wi.z.abs()),
-            Self::RoughDielectric { alpha, .. } if !nearly_equal(eta) => {
-                rough_dielectric::pdf_w(wo, wi, eta, alpha)
-            }
-            Self::RoughConductor { alpha, .. } => conductor::pdf_w(wo, wi, alpha),
-            _ => 0.0,
+            _ => self.rough(wo, wi, eta, PathFrom::Sensor).1,
+        }
+    }
+
+    /// Value and density of what has facets.
+    fn rough(&self, wo: Vec3, wi: Vec3, eta: f32, from: PathFrom) -> (S, f32) {
+        let (o, i, eta) = upwards(wo, wi, eta);
+        match self {
+            _ if wo.z == 0.0 => (S::default(), 0.0),
+            Self::RoughConductor(m) => facets::evaluate(&m.seen(o.z), o, i, from),
+            Self::MetallicRoughness(m) => facets::evaluate(&m.seen(o.z, eta), o, i, from),
+            _ => (S::default(), 0.0),
         }
     }
 
@@ -136,6 +141,7 @@ impl<S: Spectrum> Bsdf<S> {
         from: PathFrom,
     ) -> Option<BsdfSample<S>> {
         match *self {
+            _ if wo.z == 0.0 => None,
             _ if self.kind(eta) == SurfaceKind::Null => Some(discrete(-wo, S::splat(1.0))),
             Self::Null => None,
             Self::Diffuse(reflectance) => {
@@ -151,15 +157,44 @@ impl<S: Spectrum> Bsdf<S> {
             }
             Self::Mirror(reflectance) => Some(discrete(reflect(wo), reflectance)),
             Self::Dielectric { .. } => Some(dielectric::sample(wo, u[2], eta, from)),
-            Self::RoughDielectric { alpha, .. } => {
-                rough_dielectric::sample(wo, u, eta, alpha, from)
-            }
             Self::Conductor { eta, k } => Some(discrete(
                 reflect(wo),
                 conductor::reflectance(wo.z.abs(), eta, k),
             )),
-            Self::RoughConductor { eta, k, alpha } => conductor::sample(wo, u, eta, k, alpha),
+            Self::RoughConductor(_) | Self::MetallicRoughness(_) => {
+                self.sample_rough(wo, u, eta, from)
+            }
         }
+    }
+
+    fn sample_rough(
+        &self,
+        wo: Vec3,
+        u: [f32; 3],
+        eta: f32,
+        from: PathFrom,
+    ) -> Option<BsdfSample<S>> {
+        let (o, _, eta) = upwards(wo, wo, eta);
+        let sample = match self {
+            Self::RoughConductor(m) => facets::sample(&m.seen(o.z), o, u, from),
+            Self::MetallicRoughness(m) => facets::sample(&m.seen(o.z, eta), o, u, from),
+            _ => None,
+        }?;
+        let wi = if wo.z > 0.0 {
+            sample.wi
+        } else {
+            flip(sample.wi)
+        };
+        Some(BsdfSample { wi, ..sample })
+    }
+}
+
+/// The same directions and index with `wo` above.
+fn upwards(wo: Vec3, wi: Vec3, eta: f32) -> (Vec3, Vec3, f32) {
+    if wo.z > 0.0 {
+        (wo, wi, eta)
+    } else {
+        (flip(wo), flip(wi), 1.0 / eta)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Wavefront OBJ and MTL files.
 
 use crate::Error;
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use std::collections::BTreeMap;
 use std::path::Path;
 use tyndall_core::Rgb;
@@ -12,6 +12,8 @@ pub(crate) struct Group {
     pub(crate) positions: Vec<DVec3>,
     /// One a vertex, or none.
     pub(crate) normals: Vec<Vec3>,
+    /// Texture coordinates, one a vertex, or none.
+    pub(crate) uvs: Vec<Vec2>,
     pub(crate) triangles: Vec<[u32; 3]>,
 }
 

@@ -5,10 +5,11 @@ use crate::camera::Camera;
 use crate::file::{MediumName, SceneFile};
 use crate::light::{Area, Light, Lights, Source, World};
 use crate::locate::boundaries_around;
-use crate::material::Bsdf;
+use crate::look::Look;
 use crate::spectrum::convert;
-use crate::{Error, Place};
+use crate::{Error, Place, View};
 use glam::{DVec3, Vec3};
+use std::sync::Arc;
 use tyndall_core::{Aabb, Anchor, MediumId, Spectrum};
 use tyndall_media::AnyMedium;
 use tyndall_surface::{Backend, Surfaces};
@@ -27,14 +28,6 @@ pub struct Scene<S> {
     origin: DVec3,
 }
 
-/// How a shape scatters and emits.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Look<S> {
-    pub(crate) bsdf: Bsdf<S>,
-    /// Radiance on the side of the normal.
-    pub(crate) emission: S,
-}
-
 impl<S: Spectrum> Scene<S> {
     /// Builds the scene that `file` describes.
     ///
@@ -49,9 +42,9 @@ impl<S: Spectrum> Scene<S> {
         let looks: Vec<Look<S>> = file.parts.iter().map(|part| part.look(file)).collect();
         let shapes = file.parts.iter().map(|p| p.shape.clone()).collect();
         let surfaces = Surfaces::build(shapes, backend).map_err(|e| problem(e.to_string()))?;
-        let boundaries = boundaries(file, &surfaces)?;
+        let boundaries = boundaries(file, &surfaces, &looks)?;
         let media: Result<_, _> = file.media.iter().map(|m| m.build()).collect();
-        let camera_medium = locate(file.camera.position(), &surfaces, &boundaries);
+        let camera_medium = locate(file.camera.position(), &surfaces, &boundaries, &looks);
         let lamps = Aabb::of_points(file.lights.iter().filter_map(|l| l.source.position()));
         let lights = lights(file, &looks, &surfaces, &boundaries);
         let bounds = surfaces.bounds().union(lamps);
@@ -63,12 +56,13 @@ impl<S: Spectrum> Scene<S> {
         }
         Ok(Self {
             lights,
-            has_null_surfaces: boundaries.all().any(|b| boundaries.may_be_null(b)),
+            has_null_surfaces: boundaries.all().any(|b| boundaries.may_be_null(b))
+                || looks.iter().any(Look::may_be_cut),
             surfaces,
             looks,
             media: media.map_err(|e| problem(e.to_string()))?,
             boundaries,
-            camera: file.camera,
+            camera: file.camera.clone(),
             camera_medium,
             bounds,
             origin: file.origin,
@@ -81,19 +75,33 @@ impl<S: Spectrum> Scene<S> {
         self.origin
     }
 
+    /// What an image file says of the camera.
+    pub fn view(&self) -> View {
+        self.camera.view(self.origin)
+    }
+
     /// The medium around a point.
     pub(crate) fn locate(&self, p: Vec3) -> MediumId {
-        locate(p, &self.surfaces, &self.boundaries)
+        locate(p, &self.surfaces, &self.boundaries, &self.looks)
     }
 }
 
-fn locate(p: Vec3, surfaces: &Surfaces, boundaries: &Boundaries) -> MediumId {
-    boundaries.state(&boundaries_around(p, surfaces, boundaries))
+fn locate<S: Spectrum>(
+    p: Vec3,
+    surfaces: &Surfaces,
+    boundaries: &Boundaries,
+    looks: &[Look<S>],
+) -> MediumId {
+    boundaries.state(&boundaries_around(p, surfaces, boundaries, looks))
 }
 
 /// The boundaries, in the medium that fills all space outside: that of the camera if it is named
 /// and no boundary is around it.
-fn boundaries(file: &SceneFile, surfaces: &Surfaces) -> Result<Boundaries, Error> {
+fn boundaries<S: Spectrum>(
+    file: &SceneFile,
+    surfaces: &Surfaces,
+    looks: &[Look<S>],
+) -> Result<Boundaries, Error> {
     let list = || {
         let parts = file.parts.iter().enumerate();
         parts
@@ -112,7 +120,7 @@ fn boundaries(file: &SceneFile, surfaces: &Surfaces) -> Result<Boundaries, Error
     let Some((named, place)) = &file.camera_medium else {
         return Ok(table);
     };
-    let around = boundaries_around(file.camera.position(), surfaces, &table);
+    let around = boundaries_around(file.camera.position(), surfaces, &table, looks);
     if around.is_empty() {
         let glows = named.is_some_and(|m| file.media[m].glows_without_end());
         return if glows {
@@ -158,9 +166,9 @@ fn lights<S: Spectrum>(
     surfaces: &Surfaces,
     boundaries: &Boundaries,
 ) -> Vec<Light<S>> {
-    let locate = |p| locate(p, surfaces, boundaries);
+    let locate = |p| locate(p, surfaces, boundaries, looks);
     let listed = file.lights.iter().map(|light| {
-        let mut light = light.map(convert);
+        let mut light = light.clone().map(convert);
         light.source.immerse(locate);
         light
     });
@@ -172,7 +180,7 @@ fn lights<S: Spectrum>(
         let shape = shape as u32;
         let medium = medium_before(shape, surfaces, locate);
         (0..surfaces.primitive_count(shape) as u32).map(move |primitive| Light {
-            colour: look.emission,
+            colour: look.mean_radiance(surfaces, shape, primitive),
             source: Source::Area(Area {
                 shape,
                 primitive,
@@ -208,9 +216,12 @@ fn medium_before(
 
 impl crate::file::Part {
     fn look<S: Spectrum>(&self, file: &SceneFile) -> Look<S> {
+        let material = &file.materials[self.material];
+        let maps = (!material.maps.is_empty()).then(|| Arc::new(material.maps.clone()));
         Look {
-            bsdf: file.materials[self.material].bsdf.map(convert),
+            bsdf: material.bsdf.map(convert),
             emission: convert(self.emission),
+            maps,
         }
     }
 

@@ -16,6 +16,8 @@ fn output<'a, S: Spectrum>(
         height: (radiance.len() / 2) as u32,
         radiance,
         variance,
+        features: None,
+        view: None,
         metadata,
     }
 }
@@ -23,8 +25,10 @@ fn output<'a, S: Spectrum>(
 fn metadata() -> Metadata {
     Metadata {
         scene: "mist.toml".into(),
+        fingerprint: "5eed".into(),
         integrator: "path".into(),
         seed: u64::MAX,
+        first_pass: 3,
         passes: 12,
         seconds: 3.5,
         version: "0.1.0".into(),

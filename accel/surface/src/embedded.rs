@@ -1,5 +1,6 @@
 //! The backend without a system library: an eight-wide compressed tree by `obvhs`.
 
+use crate::instance;
 use crate::meet::{Line, sphere_roots, triangle};
 use crate::node::BoxRay;
 use crate::shape::{Shape, cross, quad_corners};
@@ -95,7 +96,7 @@ impl Embedded {
         let shape = &shapes[leaf.shape as usize];
         let (t, uv) = match (shape, leaf.form) {
             (Shape::Mesh(_), Form::Triangle(corners)) => {
-                triangle(&prepared.line, corners, t_max.into())
+                triangle(&prepared.line, corners.map(|p| p.as_dvec3()), t_max.into())
             }
             _ => shape.meet(leaf.primitive, &prepared.line, t_max.into()),
         };
@@ -178,6 +179,17 @@ fn for_each_form(shape: &Shape, mut visit: impl FnMut(u32, Form)) {
             for i in 0..mesh.triangles.len() as u32 {
                 let corners = mesh.corners(i);
                 if cross(corners).length_squared() > 0.0 {
+                    visit(i, Form::Triangle(corners));
+                }
+            }
+        }
+        Shape::Instance {
+            ref mesh,
+            ref to_world,
+        } => {
+            for i in 0..mesh.triangles.len() as u32 {
+                if cross(mesh.corners(i)).length_squared() > 0.0 {
+                    let corners = instance::corners(mesh, to_world, i).map(|p| p.as_vec3());
                     visit(i, Form::Triangle(corners));
                 }
             }

@@ -110,7 +110,14 @@ fn build(shapes: &[Shape]) -> Result<Scene<'static>, Error> {
 fn geometry(device: &Device, shape: &Shape) -> Result<Option<Geometry<'static>>, Error> {
     let geometry = match *shape {
         Shape::Mesh(ref mesh) if mesh.triangles.is_empty() => return Ok(None),
-        Shape::Mesh(ref mesh) => triangles(device, mesh)?,
+        Shape::Mesh(ref mesh) => triangles(device, mesh, |p| p)?,
+        Shape::Instance { ref mesh, .. } if mesh.triangles.is_empty() => return Ok(None),
+        Shape::Instance {
+            ref mesh,
+            ref to_world,
+        } => triangles(device, mesh, |p| {
+            to_world.transform_point3(p.as_dvec3()).as_vec3()
+        })?,
         Shape::Sphere { center, radius } => {
             let mut sphere = device.create_geometry(GeometryKind::SPHERE_POINT)?;
             fill(
@@ -159,9 +166,13 @@ fn geometry(device: &Device, shape: &Shape) -> Result<Option<Geometry<'static>>,
 
 /// A mesh in which triangles without area are shrunk to a point: Embree never meets a point, but
 /// rounding may give a needle an area.
-fn triangles(device: &Device, mesh: &Mesh) -> Result<GeometryBuilder<'static>, Error> {
+fn triangles(
+    device: &Device,
+    mesh: &Mesh,
+    place: impl Fn(Vec3) -> Vec3,
+) -> Result<GeometryBuilder<'static>, Error> {
     let mut geometry = device.create_geometry(GeometryKind::TRIANGLE)?;
-    let positions = mesh.positions.iter().map(|p| p.to_array());
+    let positions = mesh.positions.iter().map(|&p| place(p).to_array());
     fill(
         &mut geometry,
         BufferUsage::VERTEX,

@@ -63,6 +63,26 @@ pub enum SurfaceError {
         /// The shape.
         shape: usize,
     },
+    /// The transformation of an instance has no inverse.
+    #[error(
+        "shape {shape}: to_world flattens the mesh (determinant {determinant:e}); make its axes \
+         independent and its scales other than zero, or leave the instance out"
+    )]
+    Flat {
+        /// The shape.
+        shape: usize,
+        /// Determinant of the linear part.
+        determinant: f64,
+    },
+    /// An instance puts its mesh beyond 1e18.
+    #[error(
+        "shape {shape}: to_world takes the mesh beyond 1e18, or its inverse a scene of that size; \
+         correct its scale and translation"
+    )]
+    Range {
+        /// The shape.
+        shape: usize,
+    },
     /// More primitives than 32 bits can count.
     #[error("{primitives} primitives; split the scene, 4294967295 is the limit")]
     TooMany {

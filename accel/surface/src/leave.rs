@@ -1,5 +1,6 @@
 //! Rays that leave surfaces, and rays between them.
 
+use crate::instance;
 use crate::shape::Shape;
 use crate::surfaces::{ShapeHit, Surfaces};
 use glam::Vec3;
@@ -81,6 +82,14 @@ impl Shape {
                 let [p0, p1, p2] = mesh.corners(primitive);
                 let (low, high) = (p0.min(p1).min(p2), p0.max(p1).max(p2));
                 (high - low).max_element()
+            }
+            Self::Instance {
+                ref mesh,
+                ref to_world,
+            } => {
+                let [p0, p1, p2] = instance::corners(mesh, to_world, primitive);
+                let (low, high) = (p0.min(p1).min(p2), p0.max(p1).max(p2));
+                (high - low).max_element() as f32
             }
             Self::Quad { edge_u, edge_v, .. } => (edge_u.abs() + edge_v.abs()).max_element(),
             Self::Sphere { radius, .. } | Self::Disk { radius, .. } => 2.0 * radius,

@@ -43,6 +43,7 @@ mod embedded;
 #[cfg(feature = "embree")]
 mod embree;
 mod error;
+mod instance;
 mod leave;
 mod meet;
 mod node;
@@ -50,6 +51,7 @@ mod octahedral;
 mod sample;
 mod shape;
 mod surfaces;
+mod tangents;
 mod validate;
 mod watertight;
 

@@ -4,9 +4,10 @@
 //! `f32` are exact, so that distance and position do not depend on the backend or on how the ray
 //! was shifted.
 
+use crate::instance;
 use crate::octahedral;
 use crate::shape::{Shape, disk_axes};
-use glam::{DVec2, DVec3, Vec2, Vec3};
+use glam::{DVec2, DVec3, Vec2};
 use tyndall_core::Ray;
 
 /// A ray in `f64`.
@@ -40,7 +41,14 @@ impl Shape {
     /// if the ray misses by a rounding error.
     pub(crate) fn meet(&self, primitive: u32, line: &Line, t: f64) -> Meeting {
         match *self {
-            Self::Mesh(ref mesh) => triangle(line, mesh.corners(primitive), t),
+            Self::Mesh(ref mesh) => {
+                let corners = mesh.corners(primitive).map(|p| p.as_dvec3());
+                triangle(line, corners, t)
+            }
+            Self::Instance {
+                ref mesh,
+                ref to_world,
+            } => triangle(line, instance::corners(mesh, to_world, primitive), t),
             Self::Quad {
                 corner,
                 edge_u,
@@ -78,8 +86,7 @@ pub(crate) fn sphere_roots(line: &Line, center: DVec3, radius: f64) -> Option<[f
 }
 
 /// As [`Shape::meet`], for a triangle.
-pub(crate) fn triangle(line: &Line, corners: [Vec3; 3], t: f64) -> Meeting {
-    let [p0, p1, p2] = corners.map(|p| p.as_dvec3());
+pub(crate) fn triangle(line: &Line, [p0, p1, p2]: [DVec3; 3], t: f64) -> Meeting {
     flat(line, t, p0, [p1 - p0, p2 - p0], into_triangle)
 }
 

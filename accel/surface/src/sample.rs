@@ -1,5 +1,6 @@
 //! Points on shapes, uniform by area.
 
+use crate::instance;
 use crate::octahedral;
 use crate::shape::{Shape, cross};
 use crate::surfaces::{ShapeHit, Surfaces};
@@ -15,6 +16,13 @@ impl Surfaces {
     pub fn area(&self, shape: u32, primitive: u32) -> f32 {
         let area = match *self.shape(shape) {
             Shape::Mesh(ref mesh) => 0.5 * cross(mesh.corners(primitive)).length(),
+            Shape::Instance {
+                ref mesh,
+                ref to_world,
+            } => {
+                let of_mesh = cross(mesh.corners(primitive));
+                0.5 * (instance::of_normals(to_world) * of_mesh).length()
+            }
             Shape::Sphere { radius, .. } => 4.0 * PI * f64::from(radius).powi(2),
             Shape::Quad { edge_u, edge_v, .. } => cross([Vec3::ZERO, edge_u, edge_v]).length(),
             Shape::Disk { radius, .. } => PI * f64::from(radius).powi(2),
@@ -28,7 +36,7 @@ impl Surfaces {
     /// If there is no such primitive of a mesh.
     pub fn sample(&self, shape: u32, primitive: u32, u: [f32; 2]) -> ShapeHit {
         let uv = match self.shape(shape) {
-            Shape::Mesh(_) => triangle(u),
+            Shape::Mesh(_) | Shape::Instance { .. } => triangle(u),
             Shape::Quad { .. } => u.into(),
             Shape::Sphere { .. } => octahedral::encode(warp::uniform_sphere(u).as_dvec3()),
             Shape::Disk { .. } => 0.5 + 0.5 * warp::disk(u),

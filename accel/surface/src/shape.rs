@@ -1,8 +1,10 @@
 //! What a scene's geometry is made of.
 
+use crate::instance;
 use crate::octahedral;
 use crate::surfaces::ShapeHit;
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DAffine3, DVec2, DVec3, Vec2, Vec3};
+use std::sync::Arc;
 use tyndall_core::Aabb;
 
 /// A shape; its place in the list given to [`Surfaces::build`](crate::Surfaces::build) is its name.
@@ -10,6 +12,20 @@ use tyndall_core::Aabb;
 pub enum Shape {
     /// Triangles.
     Mesh(Mesh),
+    /// Triangles placed elsewhere. Instances of one `Arc` share what is built over their mesh, so
+    /// that ten thousand take little more memory than one.
+    ///
+    /// The outside of a closed mesh stays outside under any transformation: its geometric normal is
+    /// |det M|·M⁻ᵀ·((p1−p0) × (p2−p0)), so that under a reflection it is on the side from which the
+    /// triangle now runs clockwise (the rule of glTF 2.0, §3.7.4). An instance whose axes are
+    /// sheared almost into one plane is copied, since rays would lose digits in its space.
+    Instance {
+        /// The mesh.
+        mesh: Arc<Mesh>,
+        /// From its coordinates to those of the scene. Any rotation, scale, shear and reflection
+        /// that has an inverse.
+        to_world: DAffine3,
+    },
     /// A true sphere. Its geometric normal points outwards.
     Sphere {
         /// Centre.
@@ -52,11 +68,17 @@ pub struct Mesh {
 }
 
 impl Shape {
-    /// How many primitives it has: triangles of a mesh, one otherwise.
+    /// How many primitives it has: triangles of a mesh or an instance, one otherwise.
     pub fn primitive_count(&self) -> usize {
+        self.mesh().map_or(1, |mesh| mesh.triangles.len())
+    }
+
+    /// The mesh, in its own coordinates, that it is or places.
+    pub fn mesh(&self) -> Option<&Mesh> {
         match self {
-            Self::Mesh(mesh) => mesh.triangles.len(),
-            _ => 1,
+            Self::Mesh(mesh) => Some(mesh),
+            Self::Instance { mesh, .. } => Some(mesh),
+            _ => None,
         }
     }
 
@@ -65,9 +87,12 @@ impl Shape {
         let uv = hit.uv.as_dvec2();
         let position = match *self {
             Self::Mesh(ref mesh) => {
-                let [p0, p1, p2] = mesh.corners(hit.primitive).map(|p| p.as_dvec3());
-                p0 + uv.x * (p1 - p0) + uv.y * (p2 - p0)
+                on_triangle(mesh.corners(hit.primitive).map(|p| p.as_dvec3()), uv)
             }
+            Self::Instance {
+                ref mesh,
+                ref to_world,
+            } => on_triangle(instance::corners(mesh, to_world, hit.primitive), uv),
             Self::Quad {
                 corner,
                 edge_u,
@@ -89,13 +114,15 @@ impl Shape {
         position.as_vec3()
     }
 
-    /// The smallest box around it, up to rounding outwards.
+    /// The smallest box around it, up to rounding outwards; for an instance that around the box of
+    /// its mesh.
     pub(crate) fn bounds(&self) -> Aabb {
         match *self {
-            Self::Mesh(ref mesh) => {
-                let used = mesh.triangles.iter().flatten();
-                Aabb::of_points(used.map(|&i| mesh.positions[i as usize]))
-            }
+            Self::Mesh(ref mesh) => mesh.bounds(),
+            Self::Instance {
+                ref mesh,
+                ref to_world,
+            } => instance::bounds(mesh.bounds(), to_world),
             Self::Sphere { center, radius } => around(center, DVec3::splat(radius.into())),
             Self::Quad {
                 corner,
@@ -116,6 +143,12 @@ impl Shape {
 }
 
 impl Mesh {
+    /// The smallest box around its triangles.
+    pub(crate) fn bounds(&self) -> Aabb {
+        let used = self.triangles.iter().flatten();
+        Aabb::of_points(used.map(|&i| self.positions[i as usize]))
+    }
+
     /// The vertices of a triangle.
     pub(crate) fn corners(&self, triangle: u32) -> [Vec3; 3] {
         self.triangles[triangle as usize].map(|i| self.positions[i as usize])
@@ -129,6 +162,10 @@ impl Mesh {
         let [a, b, c] = self.triangles[triangle as usize].map(|i| attribute[i as usize]);
         a * (1.0 - uv.x - uv.y) + b * uv.x + c * uv.y
     }
+}
+
+fn on_triangle([p0, p1, p2]: [DVec3; 3], uv: DVec2) -> DVec3 {
+    p0 + uv.x * (p1 - p0) + uv.y * (p2 - p0)
 }
 
 /// Corners in the order of the boundary, each rounded once.

@@ -4,6 +4,7 @@ use crate::embedded::Embedded;
 #[cfg(feature = "embree")]
 use crate::embree::Embree;
 use crate::error::SurfaceError;
+use crate::instance;
 use crate::meet::Line;
 use crate::octahedral;
 use crate::shape::{Shape, cross};
@@ -147,6 +148,12 @@ impl Surfaces {
             Shape::Mesh(mesh) if !mesh.normals.is_empty() => mesh
                 .interpolate(&mesh.normals, hit.primitive, hit.uv)
                 .normalize_or(geometric_normal),
+            Shape::Instance { mesh, to_world } if !mesh.normals.is_empty() => {
+                let normal = mesh.interpolate(&mesh.normals, hit.primitive, hit.uv);
+                (instance::of_normals(to_world) * normal.as_dvec3())
+                    .normalize_or(geometric_normal.as_dvec3())
+                    .as_vec3()
+            }
             _ => geometric_normal,
         };
         let side = 1_f32.copysign(smooth.dot(geometric_normal));
@@ -159,8 +166,8 @@ impl Surfaces {
 
     /// Texture coordinates of a hit: those of the mesh if it has any, `hit.uv` otherwise.
     pub fn uv(&self, hit: &ShapeHit) -> Vec2 {
-        match self.shape(hit.shape) {
-            Shape::Mesh(mesh) if !mesh.uvs.is_empty() => {
+        match self.shape(hit.shape).mesh() {
+            Some(mesh) if !mesh.uvs.is_empty() => {
                 mesh.interpolate(&mesh.uvs, hit.primitive, hit.uv)
             }
             _ => hit.uv,
@@ -171,6 +178,10 @@ impl Surfaces {
     pub(crate) fn normal(&self, hit: &ShapeHit) -> Vec3 {
         let normal = match *self.shape(hit.shape) {
             Shape::Mesh(ref mesh) => cross(mesh.corners(hit.primitive)),
+            Shape::Instance {
+                ref mesh,
+                ref to_world,
+            } => instance::of_normals(to_world) * cross(mesh.corners(hit.primitive)),
             Shape::Sphere { .. } => octahedral::decode(hit.uv),
             Shape::Quad { edge_u, edge_v, .. } => cross([Vec3::ZERO, edge_u, edge_v]),
             Shape::Disk { normal, .. } => normal.as_dvec3(),

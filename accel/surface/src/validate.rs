@@ -1,28 +1,51 @@
 //! Checks before anything is built.
 
 use crate::error::SurfaceError;
+use crate::instance;
 use crate::shape::{Mesh, Shape, cross};
-use glam::Vec3;
+use glam::{DAffine3, DVec3, Vec3};
+use std::collections::HashSet;
+use std::sync::Arc;
 
 /// Beyond it, products of coordinates leave the range of `f32`; Embree draws the same line.
 const LARGEST: f32 = 1e18;
 
 /// Whether these shapes can be built.
 pub(crate) fn validate(shapes: &[Shape]) -> Result<(), SurfaceError> {
+    let mut seen = HashSet::new();
+    let mut primitives = 0;
     for (i, shape) in shapes.iter().enumerate() {
-        check_shape(i, shape)?;
+        let known = match shape {
+            Shape::Instance { mesh, .. } => !seen.insert(Arc::as_ptr(mesh)),
+            _ => false,
+        };
+        check_shape(i, shape, known)?;
+        let copied = match shape {
+            Shape::Instance { to_world, .. } => !known || !instance::is_shared(to_world),
+            _ => true,
+        };
+        primitives += if copied { shape.primitive_count() } else { 1 };
     }
-    let primitives = shapes.iter().map(Shape::primitive_count).sum();
     if u32::try_from(primitives).is_err() {
         return Err(SurfaceError::TooMany { primitives });
     }
     Ok(())
 }
 
-fn check_shape(shape: usize, what: &Shape) -> Result<(), SurfaceError> {
+/// `known` if its mesh has been checked before.
+fn check_shape(shape: usize, what: &Shape, known: bool) -> Result<(), SurfaceError> {
     let finite = |field, v| check_finite(shape, field, [v]);
     match *what {
         Shape::Mesh(ref mesh) => check_mesh(shape, mesh),
+        Shape::Instance {
+            ref mesh,
+            ref to_world,
+        } => {
+            if !known {
+                check_mesh(shape, mesh)?;
+            }
+            check_transform(shape, to_world)
+        }
         Shape::Sphere { center, radius } => {
             finite("center", center)?;
             check_radius(shape, radius)
@@ -79,6 +102,20 @@ fn check_mesh(shape: usize, mesh: &Mesh) -> Result<(), SurfaceError> {
                 vertices,
             });
         }
+    }
+    Ok(())
+}
+
+fn check_transform(shape: usize, to_world: &DAffine3) -> Result<(), SurfaceError> {
+    let columns = to_world
+        .to_cols_array_2d()
+        .map(|c| DVec3::from(c).as_vec3());
+    check_finite(shape, "to_world", columns)?;
+    if instance::is_flat(to_world) {
+        return Err(SurfaceError::Flat {
+            shape,
+            determinant: to_world.matrix3.determinant(),
+        });
     }
     Ok(())
 }

@@ -2,7 +2,7 @@
 
 use super::reader::{Field, Table};
 use crate::Error;
-use crate::material::Bsdf;
+use crate::material::{Bsdf, Maps, MetallicRoughness, RoughConductor};
 use tyndall_core::Rgb;
 
 /// A material as the scene file describes it; media by their index.
@@ -11,6 +11,7 @@ pub(crate) struct Material {
     pub(crate) bsdf: Bsdf<Rgb>,
     /// Radiance emitted on the side of the normal.
     pub(crate) emission: Rgb,
+    pub(crate) maps: Maps,
     pub(crate) inside: MediumName,
     /// What lies around the surface where no other shape contains it, if the file says.
     pub(crate) outside: Option<MediumName>,
@@ -26,6 +27,7 @@ impl Material {
         Self {
             bsdf,
             emission,
+            maps: Maps::default(),
             inside: None,
             outside: None,
             priority: 0,
@@ -70,7 +72,7 @@ fn bsdf(table: &Table<'_>) -> Result<Bsdf<Rgb>, Error> {
             )?;
             match roughness(table)? {
                 None => Bsdf::Dielectric { ior },
-                Some(alpha) => Bsdf::RoughDielectric { ior, alpha },
+                Some(alpha) => Bsdf::MetallicRoughness(MetallicRoughness::glass(ior, alpha.sqrt())),
             }
         }
         "conductor" => {
@@ -81,7 +83,7 @@ fn bsdf(table: &Table<'_>) -> Result<Bsdf<Rgb>, Error> {
                 .colour_that(|x| x <= 1e3, "between 0 and 1000")?;
             match roughness(table)? {
                 None => Bsdf::Conductor { eta, k },
-                Some(alpha) => Bsdf::RoughConductor { eta, k, alpha },
+                Some(alpha) => Bsdf::RoughConductor(RoughConductor::new(eta, k, alpha)),
             }
         }
         _ => Bsdf::Null,

@@ -199,6 +199,13 @@ impl<'a> Field<'a> {
         }
     }
 
+    pub(crate) fn boolean(&self) -> Result<bool, Error> {
+        match self.node.value {
+            Value::Bool(b) => Ok(b),
+            _ => Err(self.expected("true or false")),
+        }
+    }
+
     /// A finite number.
     pub(crate) fn number(&self) -> Result<f64, Error> {
         let x = match self.node.value {

@@ -7,6 +7,7 @@ use crate::material::Bsdf;
 use crate::obj::{self, Group};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use std::path::Path;
+use std::sync::Arc;
 use tyndall_core::{Aabb, Rgb};
 use tyndall_surface::{Mesh, Shape};
 
@@ -20,7 +21,7 @@ pub(super) struct Placed {
 
 /// A shape, in `f64`.
 #[derive(Clone, Debug)]
-pub(super) enum Solid {
+pub(crate) enum Solid {
     Sphere {
         center: DVec3,
         radius: f64,
@@ -35,10 +36,17 @@ pub(super) enum Solid {
         radius: f64,
     },
     Mesh(Group),
+    /// A mesh that stands in several places; it has triangles, and uses all its vertices.
+    Instance {
+        mesh: Arc<Mesh>,
+        /// A box around the mesh in its own coordinates.
+        bounds: [DVec3; 2],
+        to_world: DAffine3,
+    },
 }
 
 impl Solid {
-    /// Smallest and largest corner of a box around it.
+    /// Smallest and largest corner of a box around it: the smallest one, but for instances.
     pub(super) fn bounds(&self) -> [DVec3; 2] {
         let around = |center: &DVec3, r: DVec3| vec![*center - r, *center + r];
         let points = match self {
@@ -59,9 +67,30 @@ impl Solid {
                 let used = group.triangles.iter().flatten();
                 used.map(|&i| group.positions[i as usize]).collect()
             }
+            Self::Instance {
+                bounds: [min, max],
+                to_world,
+                ..
+            } => {
+                let center = to_world.transform_point3(0.5 * (min + max));
+                let [a, b, c] = to_world.matrix3.to_cols_array_2d().map(DVec3::from);
+                let half = 0.5 * (max - min);
+                let reach = a.abs() * half.x + b.abs() * half.y + c.abs() * half.z;
+                around(&center, reach)
+            }
         };
-        let empty = [DVec3::INFINITY, DVec3::NEG_INFINITY];
-        (points.iter()).fold(empty, |[min, max], p| [min.min(*p), max.max(*p)])
+        around_points(points)
+    }
+
+    /// The smallest box around it. That of an instance costs a look at all its vertices.
+    pub(super) fn tight_bounds(&self) -> [DVec3; 2] {
+        match self {
+            Self::Instance { mesh, to_world, .. } => {
+                let vertices = mesh.positions.iter();
+                around_points(vertices.map(|p| to_world.transform_point3(p.as_dvec3())))
+            }
+            _ => self.bounds(),
+        }
     }
 
     /// The shape as it is rendered, `origin` being moved to 0.
@@ -89,11 +118,24 @@ impl Solid {
             Self::Mesh(group) => Shape::Mesh(Mesh {
                 positions: group.positions.into_iter().map(point).collect(),
                 normals: group.normals,
-                uvs: Vec::new(),
+                uvs: group.uvs,
                 triangles: group.triangles,
             }),
+            Self::Instance { mesh, to_world, .. } => Shape::Instance {
+                mesh,
+                to_world: DAffine3 {
+                    translation: to_world.translation - origin,
+                    ..to_world
+                },
+            },
         }
     }
+}
+
+/// The smallest box around points.
+pub(crate) fn around_points(points: impl IntoIterator<Item = DVec3>) -> [DVec3; 2] {
+    let empty = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+    (points.into_iter()).fold(empty, |[min, max], p| [min.min(p), max.max(p)])
 }
 
 /// The box in `f32`, rounded outwards.
@@ -137,7 +179,7 @@ impl Reader<'_> {
         table.finish()
     }
 
-    fn add(&mut self, solid: Solid, material: usize, emission: Option<Rgb>) {
+    pub(super) fn add(&mut self, solid: Solid, material: usize, emission: Option<Rgb>) {
         self.placed.push(Placed {
             solid,
             material,
@@ -145,7 +187,7 @@ impl Reader<'_> {
         });
     }
 
-    fn material(&self, field: &Field<'_>) -> Result<usize, Error> {
+    pub(super) fn material(&self, field: &Field<'_>) -> Result<usize, Error> {
         let names: Vec<_> = self.names.iter().map(String::as_str).collect();
         field.name_in("material", &names)
     }
@@ -264,6 +306,7 @@ fn cuboid(min: DVec3, max: DVec3) -> Group {
     Group {
         positions: (0..8).map(corner).collect(),
         normals: Vec::new(),
+        uvs: Vec::new(),
         triangles: (faces.iter())
             .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]])
             .collect(),
@@ -271,7 +314,7 @@ fn cuboid(min: DVec3, max: DVec3) -> Group {
 }
 
 /// `transform = { scale, rotate = { axis, degrees }, translate }`, applied in this order.
-fn transform(table: &Table<'_>) -> Result<DAffine3, Error> {
+pub(super) fn transform(table: &Table<'_>) -> Result<DAffine3, Error> {
     let Some(field) = table.optional("transform") else {
         return Ok(DAffine3::IDENTITY);
     };
@@ -304,7 +347,7 @@ fn transform(table: &Table<'_>) -> Result<DAffine3, Error> {
 }
 
 impl Group {
-    fn transform(&mut self, transform: &DAffine3) {
+    pub(crate) fn transform(&mut self, transform: &DAffine3) {
         for p in &mut self.positions {
             *p = transform.transform_point3(*p);
         }

@@ -1,0 +1,130 @@
+//! Textures that vary a material over its surface.
+
+use crate::texture::Texture;
+use glam::{Affine2, Vec2, Vec4};
+use std::sync::Arc;
+
+/// A texture, and how the texture coordinates of a surface become its own, whose origin is the
+/// upper left corner of the image.
+#[derive(Clone, Debug)]
+pub(crate) struct Map {
+    pub(crate) texture: Arc<Texture>,
+    pub(crate) transform: Affine2,
+}
+
+impl Map {
+    /// The texel at the texture coordinates of a surface.
+    pub(crate) fn lookup(&self, uv: Vec2) -> Vec4 {
+        self.texture.lookup(self.transform.transform_point2(uv))
+    }
+}
+
+/// One channel of a texture.
+#[derive(Clone, Debug)]
+pub(crate) struct ScalarMap {
+    pub(crate) map: Map,
+    /// 0 to 3: red, green, blue, alpha.
+    pub(crate) channel: usize,
+}
+
+impl ScalarMap {
+    /// The number at the texture coordinates of a surface.
+    pub(crate) fn lookup(&self, uv: Vec2) -> f32 {
+        self.map.lookup(uv)[self.channel]
+    }
+}
+
+/// A normal map as glTF has them: red to the right, green up, blue out.
+#[derive(Clone, Debug)]
+pub(crate) struct NormalMap {
+    pub(crate) map: Map,
+    /// Factor of what is across the surface.
+    pub(crate) scale: f32,
+}
+
+/// What alpha means.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) enum AlphaMode {
+    /// Nothing.
+    #[default]
+    Opaque,
+    /// The surface is not there where alpha is below the cutoff.
+    Mask {
+        /// The cutoff.
+        cutoff: f32,
+    },
+    /// Of any small piece of the surface, the share alpha is there: a hash of the point decides.
+    Blend,
+}
+
+/// Everything about a material that is not the same all over it. What maps hold multiplies the
+/// constants of the material.
+#[derive(Clone, Debug)]
+pub(crate) struct Maps {
+    /// Base colour or reflectance; red, green and blue count.
+    pub(crate) base_color: Option<Map>,
+    /// In glTF the green of a texture.
+    pub(crate) roughness: Option<ScalarMap>,
+    /// In glTF the blue of the same.
+    pub(crate) metallic: Option<ScalarMap>,
+    /// In glTF the red of a texture.
+    pub(crate) transmission: Option<ScalarMap>,
+    pub(crate) normal: Option<NormalMap>,
+    pub(crate) emission: Option<Map>,
+    /// In glTF the alpha of the texture of the base colour.
+    pub(crate) alpha_map: Option<ScalarMap>,
+    /// Factor of alpha.
+    pub(crate) alpha: f32,
+    pub(crate) alpha_mode: AlphaMode,
+}
+
+impl Default for Maps {
+    fn default() -> Self {
+        Self {
+            base_color: None,
+            roughness: None,
+            metallic: None,
+            transmission: None,
+            normal: None,
+            emission: None,
+            alpha_map: None,
+            alpha: 1.0,
+            alpha_mode: AlphaMode::Opaque,
+        }
+    }
+}
+
+impl Maps {
+    /// Whether scattering differs from point to point.
+    pub(crate) fn vary_bsdf(&self) -> bool {
+        let scalars = [&self.roughness, &self.metallic, &self.transmission];
+        self.base_color.is_some() || scalars.into_iter().any(Option::is_some)
+    }
+
+    /// Whether the surface may have holes.
+    pub(crate) fn cut(&self) -> bool {
+        self.alpha_mode != AlphaMode::Opaque && (self.alpha < 1.0 || self.alpha_map.is_some())
+    }
+
+    /// Whether nothing is said.
+    pub(crate) fn is_empty(&self) -> bool {
+        let bare = self.normal.is_none() && self.emission.is_none();
+        bare && !self.vary_bsdf() && !self.cut()
+    }
+
+    /// Whether texture coordinates are needed.
+    pub(crate) fn have_textures(&self) -> bool {
+        let others = [
+            self.normal.is_some(),
+            self.emission.is_some(),
+            self.alpha_map.is_some(),
+        ];
+        self.vary_bsdf() || others.contains(&true)
+    }
+
+    /// Whether all colours have equal channels.
+    pub(crate) fn are_grey(&self) -> bool {
+        let colours = [&self.base_color, &self.emission];
+        (colours.into_iter().flatten()).all(|map| map.texture.is_grey())
+    }
+}

@@ -1,0 +1,175 @@
+//! Images that colour surfaces.
+
+mod decode;
+
+use crate::Error;
+use glam::{Vec2, Vec4};
+use image::DynamicImage;
+use std::path::Path;
+
+/// How the numbers of an image are meant. Alpha is always linear.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ColourSpace {
+    /// Colours: encoded for displays (IEC 61966-2-1).
+    Srgb,
+    /// Roughness, normals and all else.
+    Linear,
+}
+
+/// What lies outside of the unit square.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Wrap {
+    /// The image again.
+    #[default]
+    Repeat,
+    /// The image and its mirror image in turn.
+    Mirror,
+    /// The border.
+    Clamp,
+}
+
+/// What lies between the centres of texels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Filter {
+    /// The four around, in proportion to their nearness.
+    #[default]
+    Bilinear,
+    /// The texel that the point is in.
+    Nearest,
+}
+
+/// A decoded image.
+#[derive(Clone, Debug)]
+pub(crate) struct Texture {
+    width: u32,
+    height: u32,
+    texels: Texels,
+    space: ColourSpace,
+    /// Along u and v.
+    pub(crate) wrap: [Wrap; 2],
+    pub(crate) filter: Filter,
+    is_grey: bool,
+    has_alpha: bool,
+}
+
+/// Rows from the top, as the file has them.
+#[derive(Clone, Debug)]
+enum Texels {
+    Eight(Vec<[u8; 4]>),
+    Sixteen(Vec<[u16; 4]>),
+}
+
+impl Texture {
+    /// Reads a PNG or JPEG file.
+    ///
+    /// # Errors
+    /// [`Error::Read`], or [`Error::Build`] that names the file and the mend.
+    pub(crate) fn load(path: &Path, space: ColourSpace) -> Result<Self, Error> {
+        let image = decode::read(path)?;
+        Ok(Self::from_image(image, space))
+    }
+
+    /// [`Texture::load`] of a file that is in memory; or what is wrong with it.
+    pub(crate) fn decode(bytes: &[u8], space: ColourSpace) -> Result<Self, String> {
+        Ok(Self::from_image(decode::decode(bytes)?, space))
+    }
+
+    /// The texture of an image; of 8 bits a channel, or 16 where it has more.
+    pub(crate) fn from_image(image: DynamicImage, space: ColourSpace) -> Self {
+        let color = image.color();
+        let (width, height) = (image.width(), image.height());
+        let eight = color.bytes_per_pixel() == color.channel_count();
+        let texels = if eight {
+            Texels::Eight(decode::texels(image.into_rgba8().into_raw()))
+        } else {
+            Texels::Sixteen(decode::texels(image.into_rgba16().into_raw()))
+        };
+        Self {
+            width,
+            height,
+            is_grey: match &texels {
+                Texels::Eight(t) => decode::is_grey(t),
+                Texels::Sixteen(t) => decode::is_grey(t),
+            },
+            texels,
+            space,
+            wrap: [Wrap::default(); 2],
+            filter: Filter::default(),
+            has_alpha: color.has_alpha(),
+        }
+    }
+
+    /// Width and height in texels.
+    pub(crate) fn size(&self) -> [u32; 2] {
+        [self.width, self.height]
+    }
+
+    /// Whether red, green and blue are equal everywhere.
+    pub(crate) fn is_grey(&self) -> bool {
+        self.is_grey
+    }
+
+    /// Whether the file has an alpha channel.
+    pub(crate) fn has_alpha(&self) -> bool {
+        self.has_alpha
+    }
+
+    /// Red, green, blue (linear) and alpha at texture coordinates `uv`: (0, 0) is the upper left
+    /// corner of the image, (1, 1) the lower right, as in glTF. Infinite coordinates count as 0.
+    pub(crate) fn lookup(&self, uv: Vec2) -> Vec4 {
+        let [u, v] = uv.to_array();
+        match self.filter {
+            Filter::Nearest => self.texel(
+                nearest(u, self.width, self.wrap[0]),
+                nearest(v, self.height, self.wrap[1]),
+            ),
+            Filter::Bilinear => {
+                let ([x0, x1], s) = between(u, self.width, self.wrap[0]);
+                let ([y0, y1], t) = between(v, self.height, self.wrap[1]);
+                let upper = self.texel(x0, y0).lerp(self.texel(x1, y0), s);
+                let lower = self.texel(x0, y1).lerp(self.texel(x1, y1), s);
+                upper.lerp(lower, t)
+            }
+        }
+    }
+
+    fn texel(&self, x: u32, y: u32) -> Vec4 {
+        let at = y as usize * self.width as usize + x as usize;
+        match &self.texels {
+            Texels::Eight(texels) => decode::eight(texels[at], self.space),
+            Texels::Sixteen(texels) => decode::sixteen(texels[at], self.space),
+        }
+    }
+}
+
+/// The texel that coordinate `u` is in.
+fn nearest(u: f32, count: u32, wrap: Wrap) -> u32 {
+    let x = f64::from(u) * f64::from(count);
+    wrap.index(x.floor(), count)
+}
+
+/// The texels whose centres are before and after coordinate `u`, and how far it is to the second.
+fn between(u: f32, count: u32, wrap: Wrap) -> ([u32; 2], f32) {
+    let x = f64::from(u) * f64::from(count) - 0.5;
+    let x = if x.is_finite() { x } else { 0.0 };
+    let before = x.floor();
+    let indices = [before, before + 1.0].map(|i| wrap.index(i, count));
+    (indices, (x - before) as f32)
+}
+
+impl Wrap {
+    /// The texel in place of number `i`, which may be outside.
+    fn index(self, i: f64, count: u32) -> u32 {
+        let n = f64::from(count);
+        // The cast takes what is not a number to 0; rounding may reach n.
+        let inside = |x: f64| (x as u32).min(count - 1);
+        match self {
+            Self::Clamp => inside(i),
+            Self::Repeat => inside(i.rem_euclid(n)),
+            Self::Mirror => {
+                let i = i.rem_euclid(2.0 * n);
+                inside(if i < n { i } else { 2.0 * n - 1.0 - i })
+            }
+        }
+    }
+}
