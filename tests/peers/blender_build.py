@@ -125,7 +125,13 @@ def fog(name, sigma_a, sigma_s, g):
     tree.links.new(scatter.outputs[0], add.inputs[0])
     tree.links.new(absorb.outputs[0], add.inputs[1])
     tree.links.new(add.outputs[0], tree.nodes["Material Output"].inputs["Volume"])
-    material["tyndall"] = {"sigma_a": list(sigma_a), "sigma_s": list(sigma_s), "g": g}
+    # Without "surface", it would be opaque: glTF has no material that is not there.
+    material["tyndall"] = {
+        "surface": "none",
+        "sigma_a": list(sigma_a),
+        "sigma_s": list(sigma_s),
+        "g": g,
+    }
     return material
 
 

@@ -32,8 +32,6 @@ def write(name, described, size, folder):
             export_lights=True,
             export_extras=True,
             export_animations=False,
-            # W/sr and W·m⁻², not 683 times that: emission is exported in radiometric units as well.
-            export_import_convert_lighting_mode="COMPAT",
         )
     glb = {"include": [{"file": f"{name}.glb"}], **film(size), **environment(described)}
     (folder / f"{name}.glb.toml").write_text(toml(glb))
@@ -45,11 +43,6 @@ def write(name, described, size, folder):
             path_mode="RELATIVE",
         )
         (folder / f"{name}.obj.toml").write_text(toml(obj_scene(name, described, size)))
-    regions = {}
-    for index, material in enumerate(bpy.data.materials, 1):
-        material.pass_index = index
-        regions[index] = material.name
-    (folder / f"{name}.json").write_text(json.dumps({"regions": regions, "obj": described.obj}))
 
 
 def film(size):
@@ -152,7 +145,7 @@ def inline(value):
 
 
 def render(name, samples, runs, folder):
-    """NAME.cycles.K.exr: layers Combined (linear) and IndexMA, the material of the first hit."""
+    """NAME.cycles.K.exr, linear; NAME.regions.exr and NAME.json, of the materials that are seen."""
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
     settings = scene.render.image_settings
@@ -160,18 +153,35 @@ def render(name, samples, runs, folder):
     settings.color_depth = "32"
     settings.exr_codec = "ZIP"
     scene.view_settings.view_transform = "Raw"
-    bpy.context.view_layer.use_pass_material_index = True
-    physical(scene.cycles, samples)
+    physical(scene.cycles)
+    scene.cycles.samples = samples
     for run in range(runs):
         scene.cycles.seed = run
         scene.render.filepath = str(folder / f"{name}.cycles.{run}.exr")
         bpy.ops.render.render(write_still=True)
+    if runs:
+        regions(name, folder)
 
 
-def physical(cycles, samples):
+def regions(name, folder):
+    """The layer IndexMA of one sample: the material that is seen, fog being taken away."""
+    scene = bpy.context.scene
+    names = {}
+    for index, material in enumerate(bpy.data.materials, 1):
+        material.pass_index = index
+        names[index] = material.name
+    for thing in scene.objects:
+        thing.hide_render = any("tyndall" in slot.material for slot in thing.material_slots)
+    bpy.context.view_layer.use_pass_material_index = True
+    scene.cycles.samples = 1
+    scene.render.filepath = str(folder / f"{name}.regions.exr")
+    bpy.ops.render.render(write_still=True)
+    (folder / f"{name}.json").write_text(json.dumps(names))
+
+
+def physical(cycles):
     """Nothing clamped, smoothed, blurred or left out."""
     cycles.device = "CPU"
-    cycles.samples = samples
     cycles.use_adaptive_sampling = False
     cycles.use_denoising = False
     cycles.pixel_filter_type = "BOX"

@@ -6,8 +6,8 @@
                                                  [--scene glass --scene trees …]
 
 Of every scene, OUT gets NAME.glb, NAME.gltf and NAME.obj, NAME.glb.toml and NAME.obj.toml that add what
-the format cannot say, NAME.cycles.K.exr of --runs independent seeds, and NAME.json, which names the
-regions of the image and the lights. `compare_blender.py` reads all of it; README.md says what differs.
+the format cannot say, NAME.cycles.K.exr of --runs independent seeds, and NAME.regions.exr with
+NAME.json, which say what material is seen where. `compare_blender.py` reads all of it; README.md says what differs.
 Nothing is downloaded: geometry and images are made here.
 """
 
