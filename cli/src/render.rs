@@ -37,6 +37,9 @@ pub(crate) enum Error {
 /// Renders and writes.
 pub(crate) fn run(arguments: &RenderArguments) -> Result<(), Error> {
     let file = SceneFile::load(&arguments.scene, &arguments.set)?;
+    for notice in file.notices() {
+        progress::message(&format!("notice: {notice}"));
+    }
     let config = file.integrator();
     let name = arguments.integrator.as_ref().unwrap_or(&config.name);
     check_writable(&arguments.output)?;

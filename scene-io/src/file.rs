@@ -6,9 +6,11 @@ mod include;
 mod light;
 mod material;
 mod medium;
+mod mtl;
 mod overrides;
 mod reader;
 mod shape;
+mod texture;
 mod view;
 
 pub(crate) use material::{Material, MediumName};
@@ -65,7 +67,7 @@ impl SceneFile {
     /// The first thing that is wrong: its place, its key and the mend.
     pub fn load(path: &Path, overrides: &[(String, String)]) -> Result<Self, Error> {
         if include::is_gltf(path) {
-            return Self::overridden(path, include::scene_of(path), overrides, true);
+            return Self::overridden(path, include::scene_of(path)?, overrides, true);
         }
         let text = std::fs::read_to_string(path).map_err(|source| Error::Read {
             path: path.to_owned(),
@@ -140,7 +142,11 @@ impl SceneFile {
                 .collect(),
             origin,
             integrator: view::read_integrator(table.optional("integrator").as_ref())?,
-            notices: included.notices().collect(),
+            notices: shapes
+                .notices
+                .into_iter()
+                .chain(included.notices())
+                .collect(),
         })
     }
 
@@ -243,13 +249,15 @@ fn materials_and_shapes<'a>(
     media: &[&str],
 ) -> Result<shape::Reader<'a>, Error> {
     let mut reader = shape::Reader {
-        folder,
+        textures: texture::Textures::new(folder),
         names: Vec::new(),
         materials: Vec::new(),
         placed: Vec::new(),
+        notices: Vec::new(),
     };
     for (name, field) in named(table, "materials")? {
-        reader.materials.push(material::read(&field, media)?);
+        let material = material::read(&field, media, &mut reader.textures)?;
+        reader.materials.push(material);
         reader.names.push(name.into());
     }
     for field in listed(table, "shapes")? {

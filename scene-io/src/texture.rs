@@ -8,7 +8,7 @@ use image::DynamicImage;
 use std::path::Path;
 
 /// How the numbers of an image are meant. Alpha is always linear.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum ColourSpace {
     /// Colours: encoded for displays (IEC 61966-2-1).
     Srgb,
@@ -17,7 +17,7 @@ pub(crate) enum ColourSpace {
 }
 
 /// What lies outside of the unit square.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub(crate) enum Wrap {
     /// The image again.
     #[default]
@@ -29,7 +29,7 @@ pub(crate) enum Wrap {
 }
 
 /// What lies between the centres of texels.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub(crate) enum Filter {
     /// The four around, in proportion to their nearness.
     #[default]
@@ -112,6 +112,25 @@ impl Texture {
     /// Whether the file has an alpha channel.
     pub(crate) fn has_alpha(&self) -> bool {
         self.has_alpha
+    }
+
+    /// Whether it looks like a normal map rather than one of heights: bluish, not grey.
+    pub(crate) fn holds_normals(&self) -> bool {
+        let texels = self.width as usize * self.height as usize;
+        // Enough to know, of a large image.
+        let step = texels.div_ceil(1 << 12);
+        let some = (0..texels).step_by(step);
+        let count = some.len() as f32;
+        let sum: Vec4 = some
+            .map(|i| {
+                self.texel(
+                    (i % self.width as usize) as u32,
+                    (i / self.width as usize) as u32,
+                )
+            })
+            .sum();
+        let mean = sum / count;
+        !self.is_grey && mean.z > 0.6 && (mean.x - 0.5).abs() < 0.2 && (mean.y - 0.5).abs() < 0.2
     }
 
     /// Red, green, blue (linear) and alpha at texture coordinates `uv`: (0, 0) is the upper left

@@ -2,8 +2,8 @@
 
 use crate::instance;
 use crate::shape::Shape;
-use crate::surfaces::{ShapeHit, Surfaces};
-use glam::Vec3;
+use crate::surfaces::{Backend, ShapeHit, Surfaces};
+use glam::{DAffine3, Vec3};
 use tyndall_core::{Anchor, Ray};
 
 /// Rounding of a position: half a unit in the last place for the hit and half for the origin of
@@ -14,6 +14,12 @@ const POSITION_SLACK: f32 = 4.0 / (1 << 24) as f32;
 /// a connection that ends on it.
 const TEST_SLACK: f32 = 16.0 / (1 << 24) as f32;
 
+/// Rounding of Embree's inverse of an instance's transformation and of what it does to a point,
+/// relative to the distances of the point and of the mesh's origin from the world's: some 30
+/// roundings.
+#[cfg(feature = "embree")]
+const INVERSE_SLACK: f32 = 32.0 / (1 << 24) as f32;
+
 impl Surfaces {
     /// The infinite ray leaving `from` in the unit direction `direction`, started where it cannot
     /// meet the surface it leaves again.
@@ -21,7 +27,10 @@ impl Surfaces {
     /// A ray from a surface starts at `p ± h·n` on the side to which it goes, n the geometric
     /// normal and h = 2⁻²² Σ|pᵢnᵢ| + 2⁻²⁰ s, s the size of the primitive. The first term bounds the
     /// rounding of the position (after Pharr, Jakob & Humphreys 2023, §6.8.6), the second that of
-    /// the intersection tests.
+    /// the intersection tests. To these an instance adds the rounding of the ray's way into the
+    /// coordinates of its mesh, which does not grow with scale but with shear: for the embedded
+    /// backend some 2⁻²⁰ s + 2⁻²² |p − q|, for Embree, which inverts in `f32`, 2⁻¹⁹ (|p| + |q|), q
+    /// the point to which the mesh's own origin is taken.
     ///
     /// # Panics
     /// If `from` is [`Anchor::Direction`], which is nowhere.
@@ -59,10 +68,30 @@ impl Surfaces {
             return position;
         };
         let normal = self.normal(hit);
-        let away = POSITION_SLACK * position.abs().dot(normal.abs())
-            + TEST_SLACK * self.shape(hit.shape).size(hit.primitive).max(distance);
+        let shape = self.shape(hit.shape);
+        let size = shape.size(hit.primitive).max(distance);
+        let mut away = POSITION_SLACK * position.abs().dot(normal.abs()) + TEST_SLACK * size;
+        if let Shape::Instance { to_world, .. } = shape {
+            away += self.transform_slack(to_world, position, size);
+        }
         let side = 1_f32.copysign(direction.dot(normal));
         position + side * away * normal
+    }
+
+    /// What a ray moves by that is taken into the coordinates of an instance's mesh, and tested
+    /// there against a primitive of this `size` in the world.
+    fn transform_slack(&self, to_world: &DAffine3, position: Vec3, size: f32) -> f32 {
+        if !instance::is_shared(to_world) {
+            return 0.0;
+        }
+        let (position, origin) = (position.as_dvec3(), to_world.translation);
+        let slack = f64::from(TEST_SLACK * size)
+            + match self.backend() {
+                Backend::Embedded => f64::from(POSITION_SLACK) * position.distance(origin),
+                #[cfg(feature = "embree")]
+                Backend::Embree => f64::from(INVERSE_SLACK) * (position.length() + origin.length()),
+            };
+        (instance::shear(to_world) * slack) as f32
     }
 
     fn place(&self, anchor: &Anchor<ShapeHit>) -> Vec3 {

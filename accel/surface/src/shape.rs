@@ -5,7 +5,6 @@ use crate::octahedral;
 use crate::surfaces::ShapeHit;
 use glam::{DAffine3, DVec2, DVec3, Vec2, Vec3};
 use std::sync::Arc;
-use tyndall_core::Aabb;
 
 /// A shape; its place in the list given to [`Surfaces::build`](crate::Surfaces::build) is its name.
 #[derive(Clone, Debug)]
@@ -113,42 +112,9 @@ impl Shape {
         };
         position.as_vec3()
     }
-
-    /// The smallest box around it, up to rounding outwards; for an instance that around the box of
-    /// its mesh.
-    pub(crate) fn bounds(&self) -> Aabb {
-        match *self {
-            Self::Mesh(ref mesh) => mesh.bounds(),
-            Self::Instance {
-                ref mesh,
-                ref to_world,
-            } => instance::bounds(mesh.bounds(), to_world),
-            Self::Sphere { center, radius } => around(center, DVec3::splat(radius.into())),
-            Self::Quad {
-                corner,
-                edge_u,
-                edge_v,
-            } => Aabb::of_points(quad_corners(corner, edge_u, edge_v)),
-            Self::Disk {
-                center,
-                normal,
-                radius,
-            } => {
-                let n = normal.as_dvec3().normalize();
-                let sine = (DVec3::ONE - n * n).max(DVec3::ZERO).map(f64::sqrt);
-                around(center, f64::from(radius) * sine)
-            }
-        }
-    }
 }
 
 impl Mesh {
-    /// The smallest box around its triangles.
-    pub(crate) fn bounds(&self) -> Aabb {
-        let used = self.triangles.iter().flatten();
-        Aabb::of_points(used.map(|&i| self.positions[i as usize]))
-    }
-
     /// The vertices of a triangle.
     pub(crate) fn corners(&self, triangle: u32) -> [Vec3; 3] {
         self.triangles[triangle as usize].map(|i| self.positions[i as usize])
@@ -183,12 +149,4 @@ pub(crate) fn cross([p0, p1, p2]: [Vec3; 3]) -> DVec3 {
 /// Axes of the plane of a disc.
 pub(crate) fn disk_axes(normal: Vec3) -> [DVec3; 2] {
     normal.as_dvec3().normalize().any_orthonormal_pair().into()
-}
-
-fn around(center: Vec3, half: DVec3) -> Aabb {
-    let center = center.as_dvec3();
-    Aabb {
-        min: (center - half).as_vec3().map(f32::next_down),
-        max: (center + half).as_vec3().map(f32::next_up),
-    }
 }

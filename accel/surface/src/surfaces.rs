@@ -1,5 +1,6 @@
 //! The geometry of a scene.
 
+use crate::bounds;
 use crate::embedded::Embedded;
 #[cfg(feature = "embree")]
 use crate::embree::Embree;
@@ -8,7 +9,7 @@ use crate::instance;
 use crate::meet::Line;
 use crate::octahedral;
 use crate::shape::{Shape, cross};
-use crate::validate::validate;
+use crate::validate::{check_range, validate};
 use glam::{Vec2, Vec3};
 use tyndall_core::{Aabb, Ray, Surface};
 
@@ -29,7 +30,7 @@ pub enum Backend {
 pub struct ShapeHit {
     /// Index of the shape in the list given to [`Surfaces::build`].
     pub shape: u32,
-    /// The triangle of a mesh, 0 for any other shape.
+    /// The triangle of a mesh or an instance, 0 for any other shape.
     pub primitive: u32,
     /// Where on the primitive, in the unit square. Triangle: barycentric, the weights of p1 and
     /// p2. Quad: along `edge_u` and `edge_v`. Sphere: the octahedral map of the normal. Disc: its
@@ -57,14 +58,14 @@ impl Surfaces {
     /// See [`SurfaceError`]; it names the shape and what to do.
     pub fn build(shapes: Vec<Shape>, backend: Backend) -> Result<Self, SurfaceError> {
         validate(&shapes)?;
+        let boxes = bounds::boxes(&shapes);
+        check_range(&shapes, &boxes)?;
         let engine = match backend {
-            Backend::Embedded => Engine::Embedded(Embedded::build(&shapes)),
+            Backend::Embedded => Engine::Embedded(Embedded::build(&shapes, &boxes)),
             #[cfg(feature = "embree")]
             Backend::Embree => Engine::Embree(Embree::build(&shapes)?),
         };
-        let bounds = shapes
-            .iter()
-            .fold(Aabb::EMPTY, |b, shape| b.union(shape.bounds()));
+        let bounds = boxes.into_iter().fold(Aabb::EMPTY, Aabb::union);
         Ok(Self {
             shapes,
             bounds,
@@ -72,7 +73,17 @@ impl Surfaces {
         })
     }
 
-    /// A box around all shapes; empty if there are none.
+    /// What finds the primitives.
+    pub(crate) fn backend(&self) -> Backend {
+        match self.engine {
+            Engine::Embedded(_) => Backend::Embedded,
+            #[cfg(feature = "embree")]
+            Engine::Embree(_) => Backend::Embree,
+        }
+    }
+
+    /// A box around all shapes; empty if there are none. An instance counts with the box around the
+    /// placed box of its mesh, which may be larger than itself.
     pub fn bounds(&self) -> Aabb {
         self.bounds
     }
@@ -141,7 +152,7 @@ impl Surfaces {
     }
 
     /// Position and normals of a hit. The shading normal is interpolated over a mesh that has
-    /// normals, and turned to the side of the geometric one.
+    /// normals, placed as the geometric one is ([`Shape::Instance`]), and turned to its side.
     pub fn surface(&self, hit: &ShapeHit) -> Surface {
         let geometric_normal = self.normal(hit);
         let smooth = match self.shape(hit.shape) {

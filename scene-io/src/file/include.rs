@@ -1,6 +1,6 @@
 //! `[[include]]`: glTF files as parts of a scene.
 
-use super::document::{Node, Value};
+use super::document::{self, Node, Value};
 use super::reader::{Field, Table};
 use super::shape::{self, transform};
 use crate::gltf::{self, Lamp, Loaded, Options, Projection, SceneChoice, View};
@@ -18,18 +18,11 @@ pub(super) struct Included {
 }
 
 /// A scene file that has nothing in it but a glTF file.
-pub(super) fn scene_of(path: &Path) -> Node {
-    let place = Place::File {
-        path: path.display().to_string().into(),
-        line: 1,
-        column: 1,
-    };
-    let node = |value| written(value, &place);
-    let name = path.file_name().unwrap_or_default();
-    let file = node(Value::String(name.to_string_lossy().into_owned()));
-    let include = node(Value::Table([("file".to_owned(), file)].into()));
-    let includes = node(Value::Array(vec![include]));
-    node(Value::Table([("include".to_owned(), includes)].into()))
+pub(super) fn scene_of(path: &Path) -> Result<Node, Error> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let name = toml::Value::String(name.into_owned());
+    let text = format!("include = [{{ file = {name} }}]");
+    document::parse(&path.display().to_string(), &text)
 }
 
 /// Whether a file of this name is glTF.

@@ -124,5 +124,7 @@ fn place(attributes: &mut LayerAttributes, view: &View) {
     let column = |i: usize| [right[i], up[i], back[i], 0.0];
     let shift = [view.shift.x, view.shift.y, view.shift.z, 1.0];
     let rows = [column(0), column(1), column(2), shift].concat();
+    // No zero with a sign.
+    let rows: Vec<_> = rows.iter().map(|x| x + 0.0).collect();
     attributes.world_to_camera = rows.try_into().ok();
 }

@@ -63,6 +63,12 @@ impl<S: Spectrum> MetallicRoughness<S> {
         self.transmission > 0.0 && !self.thin
     }
 
+    /// Whether it is the smooth boundary of a clear dielectric.
+    pub(crate) fn is_clear(&self) -> bool {
+        let white = self.base_color == S::splat(1.0);
+        self.is_body() && self.transmitted() == 1.0 && white && self.alpha() == 0.0
+    }
+
     /// Roughness of GGX, 0 if smooth.
     fn alpha(&self) -> f32 {
         if self.roughness < MIN_ROUGHNESS {

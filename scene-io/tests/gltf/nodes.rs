@@ -193,8 +193,8 @@ fn far_instances_are_recentred() {
     }
     let scene = b.scene();
     assert!((scene.origin().x - (1e6 + 1.0)).abs() < 1e-6);
-    assert!(front(&scene, -1.49, 0.0).is_some() && front(&scene, -1.51, 0.0).is_none());
-    assert!(front(&scene, 1.49, 0.0).is_some() && front(&scene, 0.49, 0.0).is_none());
+    let there = |x: f32| meet(&scene, [x, 0.0, 5.0], [0.0, 0.0, -1.0]).is_some();
+    assert!(there(-1.49) && !there(-1.51) && there(1.49) && !there(0.49));
 }
 
 #[test]
