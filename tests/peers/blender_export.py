@@ -10,16 +10,17 @@ import numpy as np
 
 @dataclass
 class Described:
-    """What formats cannot say: the sky of all; media and transparent materials of OBJ."""
+    """What exports do not say: the sky, and of OBJ the media, their materials, and masks."""
 
     sky: tuple
     media: dict = field(default_factory=dict)
     materials: dict = field(default_factory=dict)
+    masks: dict = field(default_factory=dict)
     obj: bool = True
 
 
 def write(name, described, size, folder):
-    """NAME.glb, NAME.gltf, NAME.obj, the scene files that include them, and NAME.json."""
+    """NAME.glb, NAME.gltf, NAME.obj, and the scene files that include them."""
     # The exporter takes the camera's vertical angle from the picture's shape.
     settings = bpy.context.scene.render
     settings.resolution_x, settings.resolution_y = size
@@ -42,7 +43,16 @@ def write(name, described, size, folder):
             export_triangulated_mesh=True,
             path_mode="RELATIVE",
         )
+        mask(folder / f"{name}.mtl", described.masks)
         (folder / f"{name}.obj.toml").write_text(toml(obj_scene(name, described, size)))
+
+
+def mask(path, masks):
+    """Adds to an MTL file the masks that Blender's exporter leaves out."""
+    text = path.read_text()
+    for material, picture in masks.items():
+        text = text.replace(f"newmtl {material}\n", f"newmtl {material}\nmap_d {picture}\n")
+    path.write_text(text)
 
 
 def film(size):

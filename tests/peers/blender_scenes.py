@@ -80,11 +80,7 @@ def glass(folder):
     return export.Described(
         sky=sky,
         media={"amber": {"sigma_a": [20 * -math.log(c) for c in (0.99, 0.96, 0.9)], "sigma_s": 0.0}},
-        materials={
-            "glass": {"kind": "dielectric", "ior": 1.5},
-            "amber": {"kind": "dielectric", "ior": 1.45, "inside": "amber"},
-            "frosted": {"kind": "dielectric", "ior": 1.5, "roughness": 0.3**2},
-        },
+        materials={"amber": {"kind": "dielectric", "ior": 1.45, "inside": "amber"}},
     )
 
 
@@ -154,7 +150,7 @@ def trees(folder):
         build.place(tree, f"tree.{k:03}", at, rotation, rng.uniform(0.7, 1.4))
     build.light("sun", "SUN", 4.0, (0, 0, 10), aim=(5, 7, 0), color=(1.0, 0.9, 0.75))
     build.camera((0.4, -11.0, 5.0), (0.0, 2.0, 0.6), 55)
-    return export.Described(sky=sky)
+    return export.Described(sky=sky, masks={"leaves": "leaf.png"})
 
 
 def fog(folder):

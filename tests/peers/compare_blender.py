@@ -10,11 +10,10 @@ Of every scene in OUT: NAME.glb.exr and NAME.obj.exr, and NAME.png, which shows 
 OBJ, Cycles, and glTF over Cycles (red is brighter, blue darker, full colour is a factor of two).
 
 glTF against OBJ: a z-test of the mean of every region (one material, as far as it is seen) and channel,
-with Sidak's correction at a false-alarm rate of 1 % a scene; the command fails if one differs that is
-not in DIFFERS. `tyndall diff` says what single pixels do.
+with Sidak's correction at a false-alarm rate of 1 % a scene. `tyndall diff` says what single pixels do.
 
-glTF against Cycles: the ratio of the means of every region, with its standard error. It must be 1
-within LIMIT where README.md has no reason for another, which is where KNOWN has bounds.
+glTF against Cycles: the ratio of the means of every region, with its standard error: 1 within LIMIT,
+or within the bounds of KNOWN where README.md has a reason for it; three standard errors are added.
 """
 
 import argparse
@@ -29,12 +28,13 @@ import OpenEXR
 from PIL import Image
 
 FALSE_ALARM = 0.01
-LIMIT = 0.02
+LIMIT = 0.03
 STANDARD_ERRORS = 3
-# README.md, "What differs", says why. Regions of which glTF and OBJ say different things:
-DIFFERS = {}
-# Ratios to Cycles, least and most:
-KNOWN = {}
+# Ratios to Cycles, least and most. README.md, "What differs", says why.
+KNOWN = {
+    "glass": {"amber": (0.9, 1.04)},
+    "relief": {"plastic 0": (0.92, 1.0), "metal 3": (1.0, 1.07)},
+}
 
 
 def channels(path):
@@ -87,9 +87,8 @@ def hold_against_obj(name, gltf, obj, masks):
         (a, ea), (b, eb) = means(gltf, mask), means(obj, mask)
         z = (a - b) / np.maximum(np.hypot(ea, eb), 1e-6 * b)
         same = bool((np.abs(z) <= limit).all())
-        known = region in DIFFERS.get(name, ())
-        agrees &= same or known
-        verdict = "agree" if same else "differ, as they should" if known else "DIFFER"
+        agrees &= same
+        verdict = "agree" if same else "DIFFER"
         print(f"{name:8} {region:10} glTF/OBJ    {spread(a / b)}   z {spread(z)}   {verdict}")
     return agrees
 
