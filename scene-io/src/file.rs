@@ -6,9 +6,11 @@ mod include;
 mod light;
 mod material;
 mod medium;
+mod mtl;
 mod overrides;
 mod reader;
 mod shape;
+mod texture;
 mod view;
 
 pub(crate) use document::{Node, Value};
@@ -84,8 +86,8 @@ impl SceneFile {
     /// The first thing that is wrong: its place, its key and the mend.
     pub fn load(path: &Path, overrides: &[(String, String)]) -> Result<Self, Error> {
         if include::is_gltf(path) {
-            let root = overridden(include::scene_of(path)?, overrides)?;
-            return Self::with_included(path, root, true);
+            let text = include::scene_of(path);
+            return Self::whole(path, parse_document(path, &text, overrides)?, true);
         }
         let text = std::fs::read_to_string(path).map_err(|source| Error::Read {
             path: path.to_owned(),
@@ -100,11 +102,11 @@ impl SceneFile {
     /// # Errors
     /// As there.
     pub fn parse(text: &str, path: &Path, overrides: &[(String, String)]) -> Result<Self, Error> {
-        Self::with_included(path, parse_document(path, text, overrides)?, false)
+        Self::whole(path, parse_document(path, text, overrides)?, false)
     }
 
-    /// `direct` if the scene is nothing but the glTF file of this path.
-    fn with_included(path: &Path, mut root: Node, direct: bool) -> Result<Self, Error> {
+    /// The scene of a tree; `direct` if it is nothing but the glTF file of this path.
+    fn whole(path: &Path, mut root: Node, direct: bool) -> Result<Self, Error> {
         let table = Field::root(&root).table()?;
         table.expect(&SECTIONS);
         table.finish()?;
@@ -151,7 +153,11 @@ impl SceneFile {
                 .collect(),
             origin,
             integrator: view::read_integrator(table.optional("integrator").as_ref())?,
-            notices: included.notices().collect(),
+            notices: shapes
+                .notices
+                .into_iter()
+                .chain(included.notices())
+                .collect(),
         })
     }
 
@@ -254,13 +260,15 @@ fn materials_and_shapes<'a>(
     media: &[&str],
 ) -> Result<shape::Reader<'a>, Error> {
     let mut reader = shape::Reader {
-        folder,
+        textures: texture::Textures::new(folder),
         names: Vec::new(),
         materials: Vec::new(),
         placed: Vec::new(),
+        notices: Vec::new(),
     };
     for (name, field) in named(table, "materials")? {
-        reader.materials.push(material::read(&field, media)?);
+        let material = material::read(&field, media, &mut reader.textures)?;
+        reader.materials.push(material);
         reader.names.push(name.into());
     }
     for field in listed(table, "shapes")? {

@@ -1,10 +1,9 @@
 //! Wavefront OBJ and MTL files.
 
 use crate::Error;
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::collections::BTreeMap;
 use std::path::Path;
-use tyndall_core::Rgb;
 
 /// The faces of one material in an OBJ file.
 #[derive(Clone, Debug, Default)]
@@ -20,8 +19,8 @@ pub(crate) struct Group {
 /// An OBJ file: its faces by the name that `usemtl` gives them (empty if none does).
 pub(crate) struct Obj {
     pub(crate) groups: BTreeMap<String, Group>,
-    /// `Kd` and `Ke` of the materials that the MTL files define.
-    pub(crate) materials: BTreeMap<String, (Rgb, Rgb)>,
+    /// The materials that the MTL files define.
+    pub(crate) materials: BTreeMap<String, tobj::Material>,
     /// Why there are no materials, if a file of them could not be read.
     pub(crate) mtl_problem: Option<String>,
 }
@@ -63,16 +62,10 @@ pub(crate) fn read(path: &Path) -> Result<Obj, Error> {
             "has no faces: export the mesh, not only its curves".into(),
         ));
     }
-    let colour = |c: Option<[f64; 3]>| {
-        let [r, g, b] = c.unwrap_or_default().map(|x| x as f32);
-        Rgb::new(r, g, b)
-    };
-    let materials = (materials.iter())
-        .map(|m| (m.name.clone(), (colour(m.diffuse), colour(m.emissive))))
-        .collect();
+    let materials = materials.into_iter().map(|m| (m.name.clone(), m));
     Ok(Obj {
         groups,
-        materials,
+        materials: materials.collect(),
         mtl_problem,
     })
 }
@@ -89,12 +82,25 @@ impl Group {
         }
         let mut normals: Vec<_> = vectors(&mesh.normals).iter().map(|n| n.as_vec3()).collect();
         // Faces without normals beside faces with them: zero, which means the geometric normal.
+        // Those without texture coordinates get the first texel.
         if normals.is_empty() != self.normals.is_empty() {
             normals.resize(positions.len(), Vec3::ZERO);
             self.normals.resize(self.positions.len(), Vec3::ZERO);
         }
+        let coordinates = mesh.texcoords.chunks_exact(2);
+        let mut uvs: Vec<_> = coordinates
+            .map(|c| DVec2::from_slice(c).as_vec2())
+            .collect();
+        if let Some(bad) = uvs.iter().find(|uv| !uv.is_finite()) {
+            return Err(format!("texture coordinate {bad} is not finite"));
+        }
+        if uvs.is_empty() != self.uvs.is_empty() {
+            uvs.resize(positions.len(), Vec2::ZERO);
+            self.uvs.resize(self.positions.len(), Vec2::ZERO);
+        }
         self.positions.extend(positions);
         self.normals.extend(normals);
+        self.uvs.extend(uvs);
         let triangles = mesh.indices.chunks_exact(3);
         (self.triangles).extend(triangles.map(|t| [t[0] + first, t[1] + first, t[2] + first]));
         Ok(())

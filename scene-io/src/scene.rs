@@ -39,7 +39,7 @@ impl<S: Spectrum> Scene<S> {
             path: file.path.clone(),
             problem,
         };
-        let looks: Vec<Look<S>> = file.parts.iter().map(|part| part.look(file)).collect();
+        let looks = looks(file);
         let shapes = file.parts.iter().map(|p| p.shape.clone()).collect();
         let surfaces = Surfaces::build(shapes, backend).map_err(|e| problem(e.to_string()))?;
         let boundaries = boundaries(file, &surfaces, &looks)?;
@@ -84,6 +84,21 @@ impl<S: Spectrum> Scene<S> {
     pub(crate) fn locate(&self, p: Vec3) -> MediumId {
         locate(p, &self.surfaces, &self.boundaries, &self.looks)
     }
+}
+
+/// One a shape; what materials share is made once.
+fn looks<S: Spectrum>(file: &SceneFile) -> Vec<Look<S>> {
+    let materials = file.materials.iter().map(|material| Look {
+        bsdf: material.bsdf.map(convert),
+        emission: S::default(),
+        maps: (!material.maps.is_empty()).then(|| Arc::new(material.maps.clone())),
+    });
+    let materials: Vec<_> = materials.collect();
+    let look = |part: &crate::file::Part| Look {
+        emission: convert(part.emission),
+        ..materials[part.material].clone()
+    };
+    file.parts.iter().map(look).collect()
 }
 
 fn locate<S: Spectrum>(
@@ -215,16 +230,6 @@ fn medium_before(
 }
 
 impl crate::file::Part {
-    fn look<S: Spectrum>(&self, file: &SceneFile) -> Look<S> {
-        let material = &file.materials[self.material];
-        let maps = (!material.maps.is_empty()).then(|| Arc::new(material.maps.clone()));
-        Look {
-            bsdf: material.bsdf.map(convert),
-            emission: convert(self.emission),
-            maps,
-        }
-    }
-
     fn boundary(&self, shape: usize, file: &SceneFile) -> Option<Boundary> {
         let material = &file.materials[self.material];
         material.bsdf.transmits().then(|| Boundary {

@@ -7,7 +7,7 @@ mod tree;
 use crate::instance::{self, Shared};
 use crate::meet::{Line, triangle};
 use crate::shape::{Mesh, Shape, cross, quad_corners};
-use crate::surfaces::ShapeHit;
+use crate::surfaces::Met;
 use glam::Vec3;
 use placed::Placed;
 use std::sync::Arc;
@@ -52,7 +52,7 @@ impl Embedded {
     }
 
     /// The nearest hit.
-    pub(crate) fn intersect(&self, shapes: &[Shape], ray: &Ray) -> Option<(f32, ShapeHit)> {
+    pub(crate) fn intersect(&self, shapes: &[Shape], ray: &Ray) -> Option<(f32, Met)> {
         let met = self.tree.nearest(ray, &self.placed)?;
         let (line, t) = (Line::from(ray), met.t.into());
         let shape = &shapes[met.leaf.shape as usize];
@@ -62,7 +62,7 @@ impl Embedded {
             }
             _ => shape.meet(met.primitive, &line, t),
         };
-        let hit = ShapeHit {
+        let hit = Met {
             shape: met.leaf.shape,
             primitive: met.primitive,
             uv,

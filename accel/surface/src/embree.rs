@@ -4,7 +4,7 @@ use crate::error::SurfaceError;
 use crate::instance::Shared;
 use crate::meet::{Line, into_triangle};
 use crate::shape::{Mesh, Shape, cross, quad_corners};
-use crate::surfaces::ShapeHit;
+use crate::surfaces::Met;
 use embree3::{
     BufferUsage, Device, Error, Format, Geometry, GeometryBuilder, GeometryKind, INVALID_ID,
     IntersectContext, RayHit, Scene, SceneFlags,
@@ -27,7 +27,7 @@ impl Embree {
 
     /// The nearest hit.
     #[inline]
-    pub(crate) fn intersect(&self, shapes: &[Shape], ray: &Ray) -> Option<(f32, ShapeHit)> {
+    pub(crate) fn intersect(&self, shapes: &[Shape], ray: &Ray) -> Option<(f32, Met)> {
         let mut query = RayHit::from_ray(segment(ray));
         loop {
             self.0
@@ -56,7 +56,7 @@ impl Embree {
 /// The hit that Embree reports; `None` if it is far from the ray, as happens for rays along the
 /// plane of a primitive.
 #[inline]
-fn read(shapes: &[Shape], ray: &Ray, query: &RayHit) -> Option<(f32, ShapeHit)> {
+fn read(shapes: &[Shape], ray: &Ray, query: &RayHit) -> Option<(f32, Met)> {
     let (met, t) = (&query.hit, query.ray.tfar);
     let [instance] = met.instID;
     let name = if instance == INVALID_ID {
@@ -65,7 +65,7 @@ fn read(shapes: &[Shape], ray: &Ray, query: &RayHit) -> Option<(f32, ShapeHit)> 
         instance
     };
     let shape = &shapes[name as usize];
-    let hit = |uv| ShapeHit {
+    let hit = |uv| Met {
         shape: name,
         primitive: met.primID,
         uv,
@@ -76,7 +76,7 @@ fn read(shapes: &[Shape], ray: &Ray, query: &RayHit) -> Option<(f32, ShapeHit)> 
     }
     let (t, uv) = shape.meet(met.primID, &Line::from(ray), t.into());
     let (t, hit) = ((t as f32).clamp(0.0, ray.t_max), hit(uv));
-    let apart = ray.at(t).distance(shape.position(&hit));
+    let apart = ray.at(t).distance(shape.position(hit.primitive, hit.uv));
     (apart <= 1e-3 * (t + ray.origin.length())).then_some((t, hit))
 }
 

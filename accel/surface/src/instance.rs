@@ -85,3 +85,28 @@ fn axes(to_world: &DAffine3) -> [DVec3; 3] {
     let m = &to_world.matrix3;
     [m.x_axis, m.y_axis, m.z_axis]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DQuat;
+
+    fn placed(linear: DMat3) -> DAffine3 {
+        DAffine3::from_mat3_translation(linear, DVec3::new(1e6, -3.0, 0.0))
+    }
+
+    #[test]
+    fn only_shear_keeps_meshes_from_being_shared() {
+        let turn = DMat3::from_quat(DQuat::from_axis_angle(DVec3::ONE.normalize(), 1.0));
+        let scale = DMat3::from_diagonal(DVec3::new(1e-6, -1.0, 1e6));
+        assert!((shear(&placed(turn * scale)) - 1.0).abs() < 1e-9);
+        assert!(is_shared(&placed(turn * scale)));
+        let angle =
+            |a: f64| DMat3::from_cols(DVec3::X, DVec3::new(a.cos(), a.sin(), 0.0), DVec3::Z);
+        assert!((shear(&placed(angle(0.1))) - 1.0 / 0.1_f64.sin()).abs() < 1e-9);
+        assert!(is_shared(&placed(angle(0.1))));
+        assert!(!is_shared(&placed(angle(0.01))) && !is_flat(&placed(angle(0.01))));
+        assert!(is_flat(&placed(angle(1e-13))) && is_flat(&placed(DMat3::ZERO)));
+        assert!(!is_shared(&placed(1e13 * turn)) && !is_flat(&placed(1e13 * turn)));
+    }
+}

@@ -48,7 +48,7 @@ impl Surfaces {
         if let Anchor::Direction(direction) = *to {
             return self.spawn(from, direction);
         }
-        let across = self.place(to) - self.place(from);
+        let across = place(to) - place(from);
         let distance = across.length();
         let start = self.start(from, across, 0.0);
         let end = self.start(to, -across, distance);
@@ -63,11 +63,11 @@ impl Surfaces {
 
     /// Where a ray towards `direction` starts, for tests whose rounding grows with `distance`.
     fn start(&self, from: &Anchor<ShapeHit>, direction: Vec3, distance: f32) -> Vec3 {
-        let position = self.place(from);
+        let position = place(from);
         let Anchor::Surface(hit) = from else {
             return position;
         };
-        let normal = self.normal(hit);
+        let normal = hit.geometric_normal;
         let shape = self.shape(hit.shape);
         let size = shape.size(hit.primitive).max(distance);
         let mut away = POSITION_SLACK * position.abs().dot(normal.abs()) + TEST_SLACK * size;
@@ -93,14 +93,6 @@ impl Surfaces {
             };
         (instance::shear(to_world) * slack) as f32
     }
-
-    fn place(&self, anchor: &Anchor<ShapeHit>) -> Vec3 {
-        match anchor {
-            Anchor::Point(p) => *p,
-            Anchor::Surface(hit) => self.shape(hit.shape).position(hit),
-            Anchor::Direction(_) => panic!("a ray cannot start infinitely far away"),
-        }
-    }
 }
 
 impl Shape {
@@ -123,5 +115,13 @@ impl Shape {
             Self::Quad { edge_u, edge_v, .. } => (edge_u.abs() + edge_v.abs()).max_element(),
             Self::Sphere { radius, .. } | Self::Disk { radius, .. } => 2.0 * radius,
         }
+    }
+}
+
+fn place(anchor: &Anchor<ShapeHit>) -> Vec3 {
+    match anchor {
+        Anchor::Point(p) => *p,
+        Anchor::Surface(hit) => hit.position,
+        Anchor::Direction(_) => panic!("a ray cannot start infinitely far away"),
     }
 }

@@ -37,8 +37,8 @@
 //! - Distances are good to 1e-5, mostly to 1e-6. Which of two primitives within some 2⁻²⁴ of the
 //!   distance is met first is open.
 //! - Rays cover (0, `t_max`]: a surface through the origin is not met.
-//! - The embedded backend is watertight. Embree lets no ray through an edge, but 6 of 1,000 rays
-//!   that are aimed exactly at a vertex.
+//! - The embedded backend is watertight. Embree lets no ray through an edge of a mesh, but 6 of
+//!   1,000 rays that are aimed exactly at a vertex, and 1 of 30,000 at an edge of an instance.
 //! - A ray leaving a surface starts off it by about 1e-6 of the larger of the primitive's size and
 //!   its distance from the coordinate origin ([`Surfaces::spawn`] has the bound). Details smaller
 //!   than that are lost, so a scene far from the origin should be recentred.

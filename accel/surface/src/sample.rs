@@ -41,11 +41,7 @@ impl Surfaces {
             Shape::Sphere { .. } => octahedral::encode(warp::uniform_sphere(u).as_dvec3()),
             Shape::Disk { .. } => 0.5 + 0.5 * warp::disk(u),
         };
-        ShapeHit {
-            shape,
-            primitive,
-            uv,
-        }
+        self.hit(shape, primitive, uv)
     }
 
     /// A point of a primitive to be lit by or seen from `from`, for `u` in \[0, 1)², and its density
@@ -65,12 +61,7 @@ impl Surfaces {
     ) -> Option<(ShapeHit, f32)> {
         if let Some(cone) = self.cone(shape, from) {
             let uv = octahedral::encode(cone.normal(u));
-            let hit = ShapeHit {
-                shape,
-                primitive,
-                uv,
-            };
-            return Some((hit, cone.pdf_w()));
+            return Some((self.hit(shape, primitive, uv), cone.pdf_w()));
         }
         let hit = self.sample(shape, primitive, u);
         let pdf_w = self.pdf_from_w(&hit, from);
@@ -79,9 +70,8 @@ impl Surfaces {
 
     /// The density with which [`Surfaces::sample_from`] finds `hit` from `from`.
     pub fn pdf_from_w(&self, hit: &ShapeHit, from: Vec3) -> f32 {
-        let surface = self.surface(hit);
-        let to = surface.position - from;
-        let cosine = to.dot(surface.geometric_normal);
+        let to = hit.position - from;
+        let cosine = to.dot(hit.geometric_normal);
         if let Some(cone) = self.cone(hit.shape, from) {
             // The far side is not seen.
             return if cosine < 0.0 { cone.pdf_w() } else { 0.0 };
@@ -127,8 +117,8 @@ impl Cone {
     fn normal(&self, u: [f32; 2]) -> DVec3 {
         let below = f64::from(u[0]) * self.height; // 1 − cos θ
         let sin2 = below * (2.0 - below);
-        let cos = sin2 / self.sin2.sqrt()
-            + (1.0 - below) * (1.0 - sin2 / self.sin2).max(0.0).sqrt();
+        let cos =
+            sin2 / self.sin2.sqrt() + (1.0 - below) * (1.0 - sin2 / self.sin2).max(0.0).sqrt();
         let sin = (1.0 - cos * cos).max(0.0).sqrt();
         let (sin_phi, cos_phi) = (TAU * f64::from(u[1])).sin_cos();
         let (s, t) = self.axis.any_orthonormal_pair();

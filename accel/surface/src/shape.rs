@@ -2,7 +2,6 @@
 
 use crate::instance;
 use crate::octahedral;
-use crate::surfaces::ShapeHit;
 use glam::{DAffine3, DVec2, DVec3, Vec2, Vec3};
 use std::sync::Arc;
 
@@ -82,23 +81,21 @@ impl Shape {
     }
 
     /// Where in space a hit is, to the rounding of `f32`.
-    pub(crate) fn position(&self, hit: &ShapeHit) -> Vec3 {
-        let uv = hit.uv.as_dvec2();
+    pub(crate) fn position(&self, primitive: u32, uv: Vec2) -> Vec3 {
+        let p = uv.as_dvec2();
         let position = match *self {
-            Self::Mesh(ref mesh) => {
-                on_triangle(mesh.corners(hit.primitive).map(|p| p.as_dvec3()), uv)
-            }
+            Self::Mesh(ref mesh) => on_triangle(mesh.corners(primitive).map(|p| p.as_dvec3()), p),
             Self::Instance {
                 ref mesh,
                 ref to_world,
-            } => on_triangle(instance::corners(mesh, to_world, hit.primitive), uv),
+            } => on_triangle(instance::corners(mesh, to_world, primitive), p),
             Self::Quad {
                 corner,
                 edge_u,
                 edge_v,
-            } => corner.as_dvec3() + uv.x * edge_u.as_dvec3() + uv.y * edge_v.as_dvec3(),
+            } => corner.as_dvec3() + p.x * edge_u.as_dvec3() + p.y * edge_v.as_dvec3(),
             Self::Sphere { center, radius } => {
-                center.as_dvec3() + f64::from(radius) * octahedral::decode(hit.uv)
+                center.as_dvec3() + f64::from(radius) * octahedral::decode(uv)
             }
             Self::Disk {
                 center,
@@ -106,11 +103,26 @@ impl Shape {
                 radius,
             } => {
                 let [s, t] = disk_axes(normal);
-                let p = f64::from(radius) * (2.0 * uv - 1.0);
-                center.as_dvec3() + p.x * s + p.y * t
+                let q = f64::from(radius) * (2.0 * p - 1.0);
+                center.as_dvec3() + q.x * s + q.y * t
             }
         };
         position.as_vec3()
+    }
+
+    /// The unit normal of the true geometry; zero for a triangle without area.
+    pub(crate) fn normal(&self, primitive: u32, uv: Vec2) -> Vec3 {
+        let normal = match *self {
+            Self::Mesh(ref mesh) => cross(mesh.corners(primitive)),
+            Self::Instance {
+                ref mesh,
+                ref to_world,
+            } => instance::of_normals(to_world) * cross(mesh.corners(primitive)),
+            Self::Sphere { .. } => octahedral::decode(uv),
+            Self::Quad { edge_u, edge_v, .. } => cross([Vec3::ZERO, edge_u, edge_v]),
+            Self::Disk { normal, .. } => normal.as_dvec3(),
+        };
+        normal.normalize_or_zero().as_vec3()
     }
 }
 

@@ -7,8 +7,7 @@ use crate::embree::Embree;
 use crate::error::SurfaceError;
 use crate::instance;
 use crate::meet::Line;
-use crate::octahedral;
-use crate::shape::{Shape, cross};
+use crate::shape::Shape;
 use crate::validate::{check_range, validate};
 use glam::{Vec2, Vec3};
 use tyndall_core::{Aabb, Ray, Surface};
@@ -25,8 +24,9 @@ pub enum Backend {
     Embree,
 }
 
-/// A point on a shape; [`Surfaces::surface`] tells where in space.
+/// A point on a shape, made by [`Surfaces::intersect`], [`Surfaces::sample`] or [`Surfaces::hit`].
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct ShapeHit {
     /// Index of the shape in the list given to [`Surfaces::build`].
     pub shape: u32,
@@ -36,6 +36,18 @@ pub struct ShapeHit {
     /// p2. Quad: along `edge_u` and `edge_v`. Sphere: the octahedral map of the normal. Disc: its
     /// bounding square, in axes that depend on the normal.
     pub uv: Vec2,
+    /// Where in space.
+    pub position: Vec3,
+    /// Unit normal of the true geometry there; zero for a triangle without area.
+    pub geometric_normal: Vec3,
+}
+
+/// What a backend finds: the names of [`ShapeHit`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Met {
+    pub(crate) shape: u32,
+    pub(crate) primitive: u32,
+    pub(crate) uv: Vec2,
 }
 
 /// All shapes of a scene, ready for rays.
@@ -91,15 +103,17 @@ impl Surfaces {
     /// The nearest point within the ray, and its distance.
     #[inline]
     pub fn intersect(&self, ray: &Ray) -> Option<(f32, ShapeHit)> {
-        if !self.is_far(ray) {
-            return self.intersect_nearby(ray);
-        }
-        let near = self.approach(ray)?;
-        let (t, hit) = self.intersect_nearby(&near)?;
-        let t = (near.at(t).as_dvec3() - ray.origin.as_dvec3()).length();
-        let shape = self.shape(hit.shape);
-        let (t, uv) = shape.meet(hit.primitive, &ray.into(), t);
-        Some(((t as f32).min(ray.t_max), ShapeHit { uv, ..hit }))
+        let (t, met) = if self.is_far(ray) {
+            let near = self.approach(ray)?;
+            let (t, met) = self.intersect_nearby(&near)?;
+            let t = (near.at(t).as_dvec3() - ray.origin.as_dvec3()).length();
+            let shape = self.shape(met.shape);
+            let (t, uv) = shape.meet(met.primitive, &ray.into(), t);
+            ((t as f32).min(ray.t_max), Met { uv, ..met })
+        } else {
+            self.intersect_nearby(ray)?
+        };
+        Some((t, self.hit(met.shape, met.primitive, met.uv)))
     }
 
     /// Whether a shape lies within the ray.
@@ -118,7 +132,7 @@ impl Surfaces {
     }
 
     #[inline]
-    fn intersect_nearby(&self, ray: &Ray) -> Option<(f32, ShapeHit)> {
+    fn intersect_nearby(&self, ray: &Ray) -> Option<(f32, Met)> {
         match &self.engine {
             Engine::Embedded(tree) => tree.intersect(&self.shapes, ray),
             #[cfg(feature = "embree")]
@@ -151,10 +165,29 @@ impl Surfaces {
         })
     }
 
+    /// The point of a primitive at coordinates `uv`, see [`ShapeHit::uv`].
+    ///
+    /// # Panics
+    /// If there is no such primitive.
+    pub fn hit(&self, shape: u32, primitive: u32, uv: Vec2) -> ShapeHit {
+        let of = self.shape(shape);
+        ShapeHit {
+            shape,
+            primitive,
+            uv,
+            position: of.position(primitive, uv),
+            geometric_normal: of.normal(primitive, uv),
+        }
+    }
+
     /// Position and normals of a hit. The shading normal is interpolated over a mesh that has
     /// normals, placed as the geometric one is ([`Shape::Instance`]), and turned to its side.
     pub fn surface(&self, hit: &ShapeHit) -> Surface {
-        let geometric_normal = self.normal(hit);
+        let ShapeHit {
+            position,
+            geometric_normal,
+            ..
+        } = *hit;
         let smooth = match self.shape(hit.shape) {
             Shape::Mesh(mesh) if !mesh.normals.is_empty() => mesh
                 .interpolate(&mesh.normals, hit.primitive, hit.uv)
@@ -169,7 +202,7 @@ impl Surfaces {
         };
         let side = 1_f32.copysign(smooth.dot(geometric_normal));
         Surface {
-            position: self.shape(hit.shape).position(hit),
+            position,
             geometric_normal,
             shading_normal: side * smooth,
         }
@@ -183,21 +216,6 @@ impl Surfaces {
             }
             _ => hit.uv,
         }
-    }
-
-    /// The unit normal of the true geometry; zero for a triangle without area.
-    pub(crate) fn normal(&self, hit: &ShapeHit) -> Vec3 {
-        let normal = match *self.shape(hit.shape) {
-            Shape::Mesh(ref mesh) => cross(mesh.corners(hit.primitive)),
-            Shape::Instance {
-                ref mesh,
-                ref to_world,
-            } => instance::of_normals(to_world) * cross(mesh.corners(hit.primitive)),
-            Shape::Sphere { .. } => octahedral::decode(hit.uv),
-            Shape::Quad { edge_u, edge_v, .. } => cross([Vec3::ZERO, edge_u, edge_v]),
-            Shape::Disk { normal, .. } => normal.as_dvec3(),
-        };
-        normal.normalize_or_zero().as_vec3()
     }
 
     /// A shape by its index.

@@ -1,6 +1,6 @@
 //! `[[include]]`: glTF files as parts of a scene.
 
-use super::document::{self, Node, Value};
+use super::document::{Node, Value};
 use super::reader::{Field, Table};
 use super::shape::{self, transform};
 use crate::gltf::{self, Lamp, Loaded, Options, Projection, SceneChoice, View};
@@ -17,12 +17,11 @@ pub(super) struct Included {
     direct: bool,
 }
 
-/// A scene file that has nothing in it but a glTF file.
-pub(super) fn scene_of(path: &Path) -> Result<Node, Error> {
+/// The text of a scene file that has nothing in it but a glTF file.
+pub(super) fn scene_of(path: &Path) -> String {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let name = toml::Value::String(name.into_owned());
-    let text = format!("include = [{{ file = {name} }}]");
-    document::parse(&path.display().to_string(), &text)
+    format!("include = [{{ file = {name} }}]")
 }
 
 /// Whether a file of this name is glTF.

@@ -1,11 +1,13 @@
 //! `[[shapes]]`, in `f64` and where the file puts them.
 
 use super::material::Material;
+use super::mtl;
 use super::reader::{Field, Table};
+use super::texture::Textures;
 use crate::Error;
-use crate::material::Bsdf;
+use crate::material::Maps;
 use crate::obj::{self, Group};
-use glam::{DAffine3, DMat3, DQuat, DVec3};
+use glam::{DAffine3, DMat3, DQuat, DVec3, Vec2};
 use std::path::Path;
 use std::sync::Arc;
 use tyndall_core::{Aabb, Rgb};
@@ -148,10 +150,12 @@ pub(super) fn rounded([min, max]: [DVec3; 2], origin: DVec3) -> Aabb {
 
 /// Reads shapes one after another; materials that OBJ files bring are added to the scene's.
 pub(super) struct Reader<'a> {
-    pub(super) folder: &'a Path,
+    pub(super) textures: Textures<'a>,
     pub(super) names: Vec<String>,
     pub(super) materials: Vec<Material>,
     pub(super) placed: Vec<Placed>,
+    /// What was read otherwise than it is meant.
+    pub(super) notices: Vec<String>,
 }
 
 const KINDS: [&str; 5] = ["sphere", "quad", "box", "disk", "obj"];
@@ -194,7 +198,8 @@ impl Reader<'_> {
 
     fn read_obj(&mut self, table: &Table<'_>, emission: Option<Rgb>) -> Result<(), Error> {
         let file = table.required("file")?;
-        let obj = obj::read(&self.folder.join(file.string()?)).map_err(|e| file.error(e))?;
+        let path = self.textures.folder.join(file.string()?);
+        let obj = obj::read(&path).map_err(|e| file.error(e))?;
         let fallback = (table.optional("material"))
             .map(|f| self.material(&f))
             .transpose()?;
@@ -216,8 +221,11 @@ impl Reader<'_> {
         for (name, mut group) in obj.groups {
             let chosen = mapped.iter().find(|(n, _)| *n == name).map(|&(_, m)| m);
             let material = match (chosen.or(fallback), obj.materials.get(&name)) {
-                (Some(material), _) => material,
-                (None, Some(&(kd, ke))) => self.own_material(&name, kd, ke, &file)?,
+                (Some(material), _) => {
+                    self.check_uvs(material, &group, table)?;
+                    material
+                }
+                (None, Some(mtl)) => self.own_material(mtl, &path, &group, &file)?,
                 (None, None) => {
                     return Err(table
                         .field()
@@ -230,24 +238,44 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// A material of an MTL file: diffuse `Kd` and emission `Ke`.
+    /// Complains about textures on what has no texture coordinates.
+    fn check_uvs(&self, material: usize, group: &Group, table: &Table<'_>) -> Result<(), Error> {
+        if !self.materials[material].maps.have_textures() || !group.uvs.is_empty() {
+            return Ok(());
+        }
+        Err(table.field().error(format!(
+            "material {:?} has textures, but these faces have no texture coordinates: unwrap the \
+             mesh and export it with them, or choose a material without",
+            self.names[material]
+        )))
+    }
+
+    /// A material of an MTL file.
     fn own_material(
         &mut self,
-        name: &str,
-        kd: Rgb,
-        ke: Rgb,
+        mtl: &tobj::Material,
+        obj: &Path,
+        group: &Group,
         file: &Field<'_>,
     ) -> Result<usize, Error> {
-        let Rgb(d) = kd;
-        let valid = d.min_element() >= 0.0 && d.max_element() <= 1.0 && ke.0.min_element() >= 0.0;
-        if !(valid && ke.0.is_finite()) {
-            return Err(file.error(format!(
-                "its material {name:?} has Kd {d} and Ke {}: Kd must be from 0 to 1 and Ke ≥ 0; \
-                 mend the MTL file or name a material of the scene in `materials`",
-                ke.0
-            )));
+        let folder = obj.parent().unwrap_or(Path::new(""));
+        let read = mtl::read(mtl, folder, &mut self.textures, &mut self.notices);
+        let mut material = read.map_err(|why| {
+            file.error(format!(
+                "its material {:?} {why}; mend the MTL file or name a material of the scene in \
+                 `materials`",
+                mtl.name
+            ))
+        })?;
+        if material.maps.have_textures() && group.uvs.is_empty() {
+            self.notices.push(format!(
+                "{}: faces of material {:?} have no texture coordinates: its textures are left out",
+                obj.display(),
+                mtl.name
+            ));
+            material.maps = Maps::default();
         }
-        self.materials.push(Material::opaque(Bsdf::Diffuse(kd), ke));
+        self.materials.push(material);
         Ok(self.materials.len() - 1)
     }
 }
@@ -289,26 +317,30 @@ fn solid(kind: &str, table: &Table<'_>) -> Result<Solid, Error> {
     })
 }
 
-/// The surface of a box, normals outwards.
+/// The surface of a box, normals outwards. Each face shows a texture once: upright along y, those
+/// below and above with x to the right.
 fn cuboid(min: DVec3, max: DVec3) -> Group {
     let corner = |i: u32| {
         let bit = |n: u32| f64::from(i >> n & 1);
         min + (max - min) * DVec3::new(bit(0), bit(1), bit(2))
     };
+    // Corners, and which of them is at the lower left.
     let faces = [
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
+        ([0, 4, 6, 2], 0),
+        ([1, 3, 7, 5], 3),
+        ([0, 1, 5, 4], 0),
+        ([2, 6, 7, 3], 1),
+        ([0, 2, 3, 1], 3),
+        ([4, 5, 7, 6], 0),
     ];
+    let around = [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y];
+    let uvs = |first: usize| (0..4).map(move |i| around[(i + 4 - first) % 4]);
     Group {
-        positions: (0..8).map(corner).collect(),
+        positions: faces.iter().flat_map(|(f, _)| f.map(corner)).collect(),
         normals: Vec::new(),
-        uvs: Vec::new(),
-        triangles: (faces.iter())
-            .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]])
+        uvs: faces.iter().flat_map(|&(_, first)| uvs(first)).collect(),
+        triangles: (0..6)
+            .flat_map(|face| [[0, 1, 2], [0, 2, 3]].map(|t| t.map(|i: u32| 4 * face + i)))
             .collect(),
     }
 }

@@ -192,7 +192,11 @@ fn check_head(
 fn deserialize<'a, T: Deserialize<'a>>(path: &Path, json: &'a [u8]) -> Result<T, Error> {
     let mut reader = serde_json::Deserializer::from_slice(json);
     let fault = |field: String, e: serde_json::Error| {
-        let field = if field == "." { "glTF".into() } else { field };
+        // Where nothing was read yet, there is no place in the tree.
+        let field = match field.as_str() {
+            "." | "?" => "glTF".into(),
+            _ => field,
+        };
         error(path, field, format!("{e}: export again, or mend the JSON"))
     };
     let value = serde_path_to_error::deserialize(&mut reader)

@@ -324,15 +324,10 @@ fn affine(transform: &TextureTransform) -> Affine2 {
     )
 }
 
-/// Smooth clear glass goes by its own name: it costs less.
+/// Smooth clear glass is told by name: it has no lobes to sample.
 fn simplest(constants: MetallicRoughness<Rgb>, maps: &Maps) -> Bsdf<Rgb> {
-    let varies = maps.base_color.is_some()
-        || maps.roughness.is_some()
-        || maps.metallic.is_some()
-        || maps.transmission.is_some();
-    let ior = constants.ior;
-    if !varies && constants == MetallicRoughness::glass(ior, 0.0) {
-        Bsdf::Dielectric { ior }
+    if !maps.vary_bsdf() && constants.is_clear() {
+        Bsdf::Dielectric { ior: constants.ior }
     } else {
         Bsdf::MetallicRoughness(constants)
     }

@@ -63,6 +63,12 @@ impl<S: Spectrum> MetallicRoughness<S> {
         self.transmission > 0.0 && !self.thin
     }
 
+    /// Whether it is the smooth boundary of a clear dielectric.
+    pub(crate) fn is_clear(&self) -> bool {
+        let white = self.base_color == S::splat(1.0);
+        self.is_body() && self.transmitted() == 1.0 && white && self.alpha() == 0.0
+    }
+
     /// Roughness of GGX, 0 if smooth.
     fn alpha(&self) -> f32 {
         if self.roughness < MIN_ROUGHNESS {
@@ -160,15 +166,18 @@ impl<S: Spectrum> Seen<S> {
             return;
         }
         if model.metallic > 0.0 {
-            let rest = Rest::unreflected(Albedo::mirrors(alpha), cosine);
+            let rest = Rest::trapped(Albedo::mirrors(alpha), cosine);
             let mean = schlick(base, 1.0 / 21.0);
             self.lobes[0] = Some((rest.colour(mean) * model.metallic, rest));
         }
         let (rest, (below, share)) = match self.behind {
             Behind::Nothing => return,
             Behind::Sheet => {
-                let rest = Rest::unreflected(Albedo::mirrors(alpha), cosine);
-                (rest, (rest, Albedo::dielectric(eta, 0.0).means()[1]))
+                let rest = Rest::trapped(Albedo::mirrors(alpha), cosine);
+                (
+                    rest,
+                    (rest, Albedo::dielectric(eta, alpha).smooth_transmittance()),
+                )
             }
             Behind::Body(eta) => {
                 let rest = Rest::trapped(Albedo::dielectric(eta, alpha), cosine);
@@ -186,15 +195,14 @@ impl<S: Spectrum> Seen<S> {
         let model = &self.model;
         let sent = |lobe: &Lobe<S>| lobe.map_or(0.0, |(colour, rest)| colour.mean() * rest.sent);
         let base = model.base_color.mean();
-        let [reflected, passed] = if model.metallic < 1.0 {
-            Albedo::dielectric(self.eta, self.alpha).shares(cosine)
+        let reflected = if model.metallic < 1.0 {
+            Albedo::dielectric(self.eta, self.alpha).reflected(cosine)
         } else {
-            [0.0; 2]
+            0.0
         };
         let passed = match self.behind {
             Behind::Nothing => 0.0,
-            Behind::Sheet => 1.0 - reflected,
-            Behind::Body(_) => passed,
+            _ => 1.0 - reflected,
         };
         // The first term is never 0 where facets reflect, lest they be forgotten.
         let metal = schlick(base, (1.0 - cosine).powi(5).max(1.0 / 21.0));

@@ -45,14 +45,14 @@ fn baked(mesh: &Mesh, to_world: &DAffine3) -> Mesh {
 }
 
 /// The same point of the copy.
-fn on_copy(hit: &ShapeHit, to_world: &DAffine3) -> ShapeHit {
+fn on_copy(copy: &Surfaces, hit: &ShapeHit, to_world: &DAffine3) -> ShapeHit {
     let mirrored = to_world.matrix3.determinant() < 0.0;
     let uv = if mirrored {
         Vec2::new(hit.uv.y, hit.uv.x)
     } else {
         hit.uv
     };
-    ShapeHit { uv, ..*hit }
+    copy.hit(hit.shape, hit.primitive, uv)
 }
 
 /// A ball with normals and texture coordinates.
@@ -143,7 +143,7 @@ fn an_instance_looks_like_its_copy() {
         for _ in 0..500 {
             let primitive = random.index(copy.primitive_count(0)) as u32;
             let hit = instance.sample(0, primitive, random.square());
-            let twin = on_copy(&hit, to_world);
+            let twin = on_copy(copy, &hit, to_world);
             let apart = instance.uv(&hit).distance(copy.uv(&twin));
             assert!(apart <= 1e-6, "{name}: {apart}");
             let [a, b] = [instance.surface(&hit), copy.surface(&twin)];

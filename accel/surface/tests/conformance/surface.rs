@@ -5,7 +5,7 @@ use crate::random::Random;
 use glam::{DAffine3, DMat3, DVec3, Vec2, Vec3};
 use std::sync::Arc;
 use tyndall_core::Ray;
-use tyndall_surface::{Mesh, Shape, ShapeHit};
+use tyndall_surface::{Mesh, Shape};
 
 fn assert_close(a: Vec3, b: Vec3, what: &str) {
     assert!(a.distance(b) < 1e-6, "{what}: {a}, not {b}");
@@ -56,11 +56,7 @@ fn attributes_are_interpolated_and_shading_keeps_the_side() {
         triangles: vec![[0, 1, 2]],
     };
     for (_, surfaces) in built(&[Shape::Mesh(mesh.clone())]) {
-        let hit = |u, v| ShapeHit {
-            shape: 0,
-            primitive: 0,
-            uv: Vec2::new(u, v),
-        };
+        let hit = |u, v| surfaces.hit(0, 0, Vec2::new(u, v));
         let shading = |u, v| surfaces.surface(&hit(u, v)).shading_normal;
         assert_close(shading(0.0, 0.0), Vec3::Z, "turned to the geometric side");
         let halfway = Vec3::new(0.5, 0.0, 1.0).normalize();
@@ -144,11 +140,7 @@ fn tangents_of_a_disc_are_how_its_points_move() {
         radius: 2.0,
     };
     for (_, surfaces) in built(&[disk]) {
-        let hit = |u, v| ShapeHit {
-            shape: 0,
-            primitive: 0,
-            uv: Vec2::new(u, v),
-        };
+        let hit = |u, v| surfaces.hit(0, 0, Vec2::new(u, v));
         let at = |u, v| surfaces.surface(&hit(u, v)).position;
         let [s, t] = surfaces.tangents(&hit(0.5, 0.5)).expect("a disc has them");
         assert_close(0.5 * s, at(0.75, 0.5) - at(0.25, 0.5), "along u");

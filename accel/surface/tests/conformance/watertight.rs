@@ -61,8 +61,7 @@ fn tolerated(backend: Backend, aim: Aim, instance: bool) -> f64 {
     match (backend, aim) {
         #[cfg(feature = "embree")]
         (Backend::Embree, Aim::Vertex) => 0.02,
-        #[cfg(feature = "embree")]
-        (Backend::Embree, _) if instance => 1e-4,
+        (other, _) if instance && other != Backend::Embedded => 1e-4,
         _ => 0.0,
     }
 }
