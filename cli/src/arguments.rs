@@ -1,5 +1,7 @@
 //! The command line.
 
+use crate::diff::DiffArguments;
+use crate::merge::MergeArguments;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 use std::path::PathBuf;
@@ -12,7 +14,7 @@ Exit codes:
   0    done; also a render stopped by Ctrl-C that wrote its image
   1    the render failed, or anything else that has no code of its own
   2    the command line is wrong
-  3    the scene, or a file that it names, cannot be read or rendered
+  3    the scene, a file that it names, or an image cannot be read or rendered
   4    an image or a file cannot be written (no rights, disk full); what was there is untouched
   5    the checkpoint to resume from is damaged or of another render
   130  a second Ctrl-C did not wait for the pass";
@@ -33,6 +35,12 @@ pub(crate) struct Arguments {
 pub(crate) enum Command {
     /// Render a scene to an image. Ctrl-C stops and writes what there is.
     Render(RenderArguments),
+    /// Compare an image with a reference. Exits with 0 whether they agree or not: a script takes
+    /// the verdict from --json.
+    #[command(after_help = crate::diff::FIGURES)]
+    Diff(DiffArguments),
+    /// Average renders of one scene with different seeds, weighted by their passes.
+    Merge(MergeArguments),
     /// Tell what a scene holds and which transport it needs.
     Inspect(InspectArguments),
     /// Print a script that completes the command in a shell.
@@ -120,7 +128,7 @@ impl RenderArguments {
     }
 }
 
-fn exr(text: &str) -> Result<PathBuf, String> {
+pub(crate) fn exr(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
     match path.extension() {
         Some(extension) if extension.eq_ignore_ascii_case("exr") => Ok(path),

@@ -75,6 +75,11 @@ impl Checkpoint {
         &self.path
     }
 
+    /// Of the scene, as text.
+    pub(crate) fn fingerprint(&self) -> String {
+        blake3::Hash::from_bytes(self.identity.scene).to_string()
+    }
+
     /// What was left there by this same render; `None` if nothing was.
     pub(crate) fn read<S: Spectrum>(&self) -> Result<Option<Snapshot<S>>, CheckpointError> {
         let error = |problem: String| CheckpointError {

@@ -1,11 +1,13 @@
 //! What goes wrong, how it is said and which exit code it has.
 
 use crate::checkpoint::CheckpointError;
+use crate::diff::Mismatch;
+use crate::merge::Refusal;
 use crate::progress::message;
 use miette::{Diagnostic, MietteHandlerOpts};
 use std::io::IsTerminal;
 use std::process::ExitCode;
-use tyndall_driver::RenderError;
+use tyndall_driver::{DifferentResolution, RenderError};
 
 /// Why a command failed.
 #[derive(Debug, thiserror::Error, Diagnostic)]
@@ -19,6 +21,12 @@ pub(crate) enum Error {
     UnknownIntegrator(String),
     #[error(transparent)]
     Render(#[from] RenderError),
+    #[error(transparent)]
+    Mismatch(#[from] Mismatch),
+    #[error(transparent)]
+    Refusal(#[from] Refusal),
+    #[error(transparent)]
+    Merge(#[from] DifferentResolution),
     #[error("the threads could not be started: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
     #[error("Ctrl-C could not be watched for: {0}")]

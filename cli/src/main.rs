@@ -3,9 +3,11 @@
 
 mod arguments;
 mod checkpoint;
+mod diff;
 mod failure;
 mod inspect;
 mod keeper;
+mod merge;
 mod preview;
 mod progress;
 mod render;
@@ -17,6 +19,8 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Render(arguments) => render::run(&arguments),
+        Command::Diff(arguments) => diff::run(&arguments),
+        Command::Merge(arguments) => merge::run(&arguments),
         Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Completions { shell } => {
             let mut command = Arguments::command();

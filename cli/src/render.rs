@@ -87,14 +87,14 @@ fn render<S: Spectrum>(
     let film = snapshot.film();
     let metadata = Metadata {
         scene: arguments.scene.display().to_string(),
+        fingerprint: checkpoint.fingerprint(),
         integrator: describe(name, config),
-        fingerprint: String::new(),
         seed: arguments.seed,
-        first_pass: 0,
         passes: film.passes(),
         seconds: snapshot.elapsed().as_secs_f64(),
         version: env!("CARGO_PKG_VERSION").into(),
         notes: notes(config, film, interrupted),
+        ..Metadata::default()
     };
     let written = write(arguments, film, &metadata);
     if !interrupted && written.is_ok() {

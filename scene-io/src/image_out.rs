@@ -1,9 +1,11 @@
 //! Images to files: complete or not at all.
 
 mod exr_file;
+mod passes;
 mod png_file;
 
 pub use exr_file::write_exr;
+pub use passes::PassRange;
 pub use png_file::write_png;
 
 use crate::{Error, Features};
@@ -57,12 +59,14 @@ pub struct Metadata {
     pub fingerprint: String,
     /// The integrator and its settings.
     pub integrator: String,
-    /// Seed of the random numbers.
+    /// Seed of the random numbers; of a merge, that of the first of `parts`.
     pub seed: u64,
     /// Index of the first pass; images of one seed whose passes overlap share random numbers.
     pub first_pass: u64,
     /// Passes that were averaged, which is the number of samples of every pixel.
     pub passes: u64,
+    /// Of a merge, the passes of every render in it; empty for one render.
+    pub parts: Vec<PassRange>,
     /// Wall-clock seconds.
     pub seconds: f64,
     /// Version of the program.

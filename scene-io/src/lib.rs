@@ -17,6 +17,7 @@ mod mapping;
 mod material;
 mod media;
 mod obj;
+mod rendered;
 mod scene;
 mod sources;
 mod spectrum;
@@ -28,8 +29,11 @@ pub use error::{Error, Place};
 pub use features::Features;
 pub use file::{IntegratorConfig, Scattering, SceneFile};
 pub use host::{Hit, Presence};
-pub use image_out::{Metadata, RenderOutput, View, check_writable, write_exr, write_png};
+pub use image_out::{
+    Metadata, PassRange, RenderOutput, View, check_writable, write_exr, write_png,
+};
 pub use material::{fresnel_conductor, fresnel_dielectric};
+pub use rendered::{RenderedImage, read_exr};
 pub use scene::Scene;
 pub use sources::sources;
 pub use summary::{

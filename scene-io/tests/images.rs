@@ -32,6 +32,7 @@ fn metadata() -> Metadata {
         seed: u64::MAX,
         first_pass: 3,
         passes: 12,
+        parts: Vec::new(),
         seconds: 3.5,
         version: "0.1.0".into(),
         notes: vec!["max_depth 8: longer paths are missing".into(), "σ".into()],

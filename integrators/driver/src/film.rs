@@ -84,6 +84,34 @@ impl<S: Spectrum> Film<S> {
         }
     }
 
+    /// The film that has this mean and [`Film::variance_of_mean`] after `passes`, row by row,
+    /// `CHANNELS` values a pixel: an image read back from a file. The variance after a single pass
+    /// is not looked at.
+    ///
+    /// # Panics
+    /// If the numbers of values are not those of the resolution.
+    pub fn from_image(
+        resolution: [u32; 2],
+        passes: u64,
+        mean: Vec<f64>,
+        variance_of_mean: &[f64],
+    ) -> Self {
+        let film = Self::new(resolution);
+        assert_eq!(mean.len(), film.mean.len(), "values of the mean");
+        assert_eq!(variance_of_mean.len(), mean.len(), "values of the variance");
+        let n = passes as f64;
+        let deviation = |v: &f64| match passes {
+            0 | 1 => 0.0,
+            _ => v * n * (n - 1.0),
+        };
+        Self {
+            passes,
+            mean,
+            deviations: variance_of_mean.iter().map(deviation).collect(),
+            ..film
+        }
+    }
+
     /// Width and height in pixels.
     pub fn resolution(&self) -> [u32; 2] {
         self.resolution

@@ -19,7 +19,7 @@ use tyndall_core::Spectrum;
 /// | `albedo.R`, …, `normal.X`, `.Y`, `.Z`, `depth.Z` | [`Features`](crate::Features), if given |
 ///
 /// Metadata are attributes `tyndall.scene`, `.fingerprint`, `.integrator`, `.seed`, `.first_pass`,
-/// `.passes`, `.seconds`, `.version`, `.channels` and `.notes` (one a line); those that are empty
+/// `.passes`, `.parts` (of a merge: a line of seed, first pass and passes each), `.seconds`, `.version`, `.channels` and `.notes` (one a line); those that are empty
 /// are left out. `software` and `comments` repeat the version and the notes for other programs.
 /// With a [`View`], the display window is the whole picture and the data window the image's part of
 /// it, and `worldToCamera`, `screenWindowCenter` and `screenWindowWidth` describe the camera (of
@@ -94,6 +94,7 @@ fn described(metadata: &Metadata, colours: &[&str]) -> LayerAttributes {
         ("integrator", metadata.integrator.clone()),
         ("seed", metadata.seed.to_string()),
         ("first_pass", metadata.first_pass.to_string()),
+        ("parts", metadata.parts_text()),
         ("passes", metadata.passes.to_string()),
         ("seconds", metadata.seconds.to_string()),
         ("version", metadata.version.clone()),
