@@ -8,6 +8,8 @@ mod conductor;
 mod dielectric;
 mod facets;
 mod fresnel;
+#[cfg(test)]
+mod furnace;
 mod ggx;
 mod maps;
 mod metallic_roughness;

@@ -201,3 +201,79 @@ impl Wrap {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use image::{ImageBuffer, Rgba};
+
+    /// 0, 51 over 102, 255 in red, and alpha 128.
+    fn four(wrap: Wrap, filter: Filter) -> Texture {
+        let red = [[0, 51], [102, 255]];
+        let pixel = |x: u32, y: u32| Rgba([red[y as usize][x as usize], 0, 0, 128_u8]);
+        let image = ImageBuffer::from_fn(2, 2, pixel);
+        let texture = Texture::from_image(image.into(), ColourSpace::Linear);
+        let wrap = [wrap; 2];
+        Texture {
+            wrap,
+            filter,
+            ..texture
+        }
+    }
+
+    fn red(texture: &Texture, u: f32, v: f32) -> f32 {
+        (texture.lookup(Vec2::new(u, v)).x * 1e4).round() / 1e4
+    }
+
+    #[test]
+    fn texels_are_met_at_their_centres_and_mixed_between() {
+        let texture = four(Wrap::Repeat, Filter::Bilinear);
+        assert_eq!(red(&texture, 0.25, 0.25), 0.0);
+        assert_eq!(red(&texture, 0.75, 0.25), 0.2);
+        assert_eq!(red(&texture, 0.25, 0.75), 0.4);
+        assert_eq!(red(&texture, 0.5, 0.25), 0.1);
+        assert_eq!(red(&texture, 0.5, 0.5), 0.4);
+        assert_eq!(red(&texture, 1.25, -1.75), 0.0);
+        assert_eq!(red(&texture, 0.0, 0.25), 0.1);
+        assert_eq!(texture.lookup(Vec2::splat(0.3)).w, 128.0 / 255.0);
+    }
+
+    #[test]
+    fn what_lies_outside_is_repeated_mirrored_or_the_border() {
+        let row = |wrap| [-0.25, 1.25, 1.75].map(|u| red(&four(wrap, Filter::Nearest), u, 0.25));
+        assert_eq!(row(Wrap::Repeat), [0.2, 0.0, 0.2]);
+        assert_eq!(row(Wrap::Mirror), [0.0, 0.2, 0.0]);
+        assert_eq!(row(Wrap::Clamp), [0.0, 0.2, 0.2]);
+    }
+
+    #[test]
+    fn coordinates_without_bounds_are_looked_up() {
+        for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp] {
+            for filter in [Filter::Bilinear, Filter::Nearest] {
+                let texture = four(wrap, filter);
+                for u in [f32::INFINITY, f32::NEG_INFINITY, f32::NAN, f32::MAX, -1e-30] {
+                    assert!(texture.lookup(Vec2::new(u, u)).is_finite());
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn display_values_are_decoded_and_alpha_is_not() {
+        let image = ImageBuffer::from_pixel(1, 1, Rgba([188_u8, 10, 255, 188]));
+        let texture = Texture::from_image(image.into(), ColourSpace::Srgb);
+        let texel = texture.lookup(Vec2::ZERO);
+        // ((188/255 + 0.055)/1.055)^2.4 and (10/255)/12.92
+        let expected = Vec4::new(0.502_886, 0.003_035_3, 1.0, 188.0 / 255.0);
+        assert!((texel - expected).abs().max_element() < 1e-6, "{texel}");
+        assert!(!texture.is_grey() && texture.has_alpha());
+    }
+
+    #[test]
+    fn sixteen_bits_are_kept() {
+        let image = ImageBuffer::from_pixel(1, 1, Rgba([1_u16, 1, 1, 65535]));
+        let texture = Texture::from_image(image.into(), ColourSpace::Linear);
+        assert_eq!(texture.lookup(Vec2::ZERO).x, 1.0 / 65535.0);
+        assert!(texture.is_grey());
+    }
+}

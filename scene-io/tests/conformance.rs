@@ -85,6 +85,16 @@ balls! {
     brushed_metal: "kind = 'conductor'\n eta = 1.4\n k = 7.5\n roughness = 0.1";
     cast_metal: "kind = 'conductor'\n eta = 2.9\n k = 3.1\n roughness = 0.8";
     invisible: "kind = 'null'";
+    plastic: "kind = 'metallic_roughness'\n base_color = 0.8\n roughness = 0.4";
+    polished_wood: "kind = 'metallic_roughness'\n base_color = 0.5\n roughness = 0";
+    alloy: "kind = 'metallic_roughness'\n base_color = 0.9\n roughness = 0.6\n metallic = 0.5";
+    cast_iron: "kind = 'metallic_roughness'\n base_color = 0.6\n roughness = 1\n metallic = 1";
+    chrome: "kind = 'metallic_roughness'\n base_color = 0.7\n roughness = 0\n metallic = 1";
+    opal: "kind = 'metallic_roughness'\n base_color = 0.9\n roughness = 0.5\n transmission = 0.6";
+    tinted: "kind = 'metallic_roughness'\n base_color = 0.5\n roughness = 0\n transmission = 1\n ior = 1.33";
+    parchment: "kind = 'metallic_roughness'\n base_color = 0.8\n roughness = 0.7\n transmission = 0.4\n thin = true";
+    pane: "kind = 'metallic_roughness'\n base_color = 0.8\n roughness = 0\n transmission = 1\n thin = true";
+    everything: "kind = 'metallic_roughness'\n base_color = 0.7\n roughness = 0.3\n metallic = 0.3\n transmission = 0.5\n ior = 1.8";
 }
 
 /// A coloured room whose lights are all of those that rays cannot find, and one mesh of each kind.

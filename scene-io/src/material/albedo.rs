@@ -5,8 +5,8 @@
 //! of light arriving at cosine μ that leaves at once, and Ē = 2∫E(μ)μdμ. What the lobe sends is
 //! 1 − E(μo) exactly, and the same both ways.
 //!
-//! Tables are linear in √μ and √α, and for dielectrics in (η − 1)/(η + 1); means are those of the
-//! interpolated table, so that the error of a furnace is that of the table.
+//! Tables are linear in log α, for dielectrics in √|(η − 1)/(η + 1)|, and in a function of μ. Means
+//! are those of the interpolated tables, so that the error of a furnace is that of the tables.
 
 use super::fresnel::{fresnel_dielectric, refracted_cosine};
 use super::ggx;
@@ -15,30 +15,46 @@ use std::sync::{LazyLock, OnceLock};
 use tyndall_core::Spectrum;
 
 const COSINES: usize = 32;
-const ALPHAS: usize = 16;
-const INDICES: usize = 15;
+const ALPHAS: usize = 32;
+const INDICES: usize = 20;
+/// α of the first row; that of the last is 1.
+const MIN_ALPHA: f32 = 1e-3;
 /// (η − 1)/(η + 1) at the last index.
 const LAST_INDEX: f32 = 0.98;
 /// Points of the quadrature along both random numbers of a facet.
-const POINTS: [usize; 2] = [32, 16];
-const MIN_ALPHA: f32 = 1e-3;
+const POINTS: [usize; 2] = [24, 8];
+/// Points of a mean over cosines.
+const MEAN_POINTS: u16 = 1024;
 
-/// Shares of reflection and transmission.
-type Shares = [f32; 2];
-
-/// For one index: rows of equal α.
-struct Table {
-    rows: Vec<[Shares; COSINES]>,
-    means: Vec<Shares>,
+/// Light that arrives at a cosine or, as a mean, from everywhere.
+#[derive(Clone, Copy, Default)]
+struct Shares {
+    /// Reflected by the first facet.
+    reflected: f32,
+    /// Neither reflected nor transmitted by it.
+    trapped: f32,
 }
 
+/// Facets of one α.
+struct Row {
+    alpha: f32,
+    /// At equal steps of √μ: reflectance changes with the angle.
+    reflected: [f32; COSINES],
+    /// At equal steps of √(μ(1 + α)/(μ + α)): shadows depend on the slope over α.
+    trapped: [f32; COSINES],
+    mean: Shares,
+}
+
+/// Facets of one index.
+type Table = Vec<Row>;
+
 /// Facets that reflect all.
-static MIRRORS: LazyLock<Table> = LazyLock::new(|| Table::new(None));
+static MIRRORS: LazyLock<Table> = LazyLock::new(|| table(None));
 /// Facets of dielectrics, seen from the thinner and from the denser side; made when first needed.
 static DIELECTRICS: [[OnceLock<Table>; INDICES]; 2] =
     [const { [const { OnceLock::new() }; INDICES] }; 2];
 
-/// Shares at one roughness and index.
+/// What facets of one α and index do to light.
 #[derive(Clone, Copy)]
 pub(super) struct Albedo {
     tables: [&'static Table; 2],
@@ -58,19 +74,20 @@ impl Albedo {
     pub(super) fn dielectric(eta: f32, alpha: f32) -> Self {
         let t = (eta - 1.0) / (eta + 1.0);
         let side = usize::from(t < 0.0);
-        let (i, weight) = between(t.abs() / LAST_INDEX, INDICES);
-        let table = |i: usize| {
+        let (i, weight) = between((t.abs() / LAST_INDEX).sqrt(), INDICES);
+        let of_index = |i: usize| {
             DIELECTRICS[side][i].get_or_init(|| {
-                let t = LAST_INDEX * i as f32 / (INDICES - 1) as f32;
+                let t = LAST_INDEX * (i as f32 / (INDICES - 1) as f32).powi(2);
                 let eta = (1.0 + t) / (1.0 - t);
-                Table::new(Some(if side == 0 { eta } else { 1.0 / eta }))
+                table(Some(if side == 0 { eta } else { 1.0 / eta }))
             })
         };
-        Self::new([table(i), table(i + 1)], weight, alpha)
+        Self::new([of_index(i), of_index(i + 1)], weight, alpha)
     }
 
     fn new(tables: [&'static Table; 2], table_weight: f32, alpha: f32) -> Self {
-        let (row, row_weight) = between(alpha.sqrt(), ALPHAS);
+        let decades = alpha.max(MIN_ALPHA).ln() / MIN_ALPHA.ln();
+        let (row, row_weight) = between(1.0 - decades, ALPHAS);
         Self {
             tables,
             table_weight,
@@ -79,32 +96,32 @@ impl Albedo {
         }
     }
 
-    fn interpolate(&self, at: impl Fn(&Table, usize) -> Shares) -> Shares {
+    fn interpolate(&self, at: impl Fn(&Row) -> f32) -> f32 {
         let [first, second] = self.tables.map(|table| {
-            mix(
-                at(table, self.row),
-                at(table, self.row + 1),
-                self.row_weight,
-            )
+            let rows = [&table[self.row], &table[self.row + 1]];
+            mix(at(rows[0]), at(rows[1]), self.row_weight)
         });
         mix(first, second, self.table_weight)
     }
 
-    /// Light that arrives at this cosine.
-    pub(super) fn shares(&self, cosine: f32) -> Shares {
-        let (i, weight) = between(cosine.sqrt(), COSINES);
-        self.interpolate(|table, row| mix(table.rows[row][i], table.rows[row][i + 1], weight))
+    /// The share of light arriving at this cosine that the first facet reflects.
+    pub(super) fn reflected(&self, cosine: f32) -> f32 {
+        self.interpolate(|row| row.reflected(cosine))
     }
 
-    /// Light that arrives from everywhere: 2∫E(μ)μdμ.
-    pub(super) fn means(&self) -> Shares {
-        self.interpolate(|table, row| table.means[row])
+    /// The share that it neither reflects nor transmits.
+    pub(super) fn trapped(&self, cosine: f32) -> f32 {
+        self.interpolate(|row| row.trapped(cosine))
     }
 
-    /// The same if the surface were smooth.
-    fn smooth_means(&self) -> Shares {
-        let [first, second] = self.tables.map(|table| table.means[0]);
-        mix(first, second, self.table_weight)
+    /// The share of light from everywhere that a smooth surface transmits.
+    pub(super) fn smooth_transmittance(&self) -> f32 {
+        let smooth = Self {
+            row: 0,
+            row_weight: 0.0,
+            ..*self
+        };
+        1.0 - smooth.interpolate(|row| row.mean.reflected)
     }
 }
 
@@ -115,77 +132,102 @@ fn between(x: f32, nodes: usize) -> (usize, f32) {
     (i, x - i as f32)
 }
 
-fn mix(a: Shares, b: Shares, t: f32) -> Shares {
-    [0, 1].map(|i| a[i] + t * (b[i] - a[i]))
+fn mix(a: f32, b: f32, t: f32) -> f32 {
+    a + t * (b - a)
 }
 
-impl Table {
-    /// Of dielectric facets, or of mirrors.
-    fn new(eta: Option<f32>) -> Self {
-        let node = |i: usize, nodes: usize| (i as f32 / (nodes - 1) as f32).powi(2);
-        let rows = (0..ALPHAS).map(|a| {
-            let alpha = node(a, ALPHAS).max(MIN_ALPHA);
-            std::array::from_fn(|i| shares(node(i, COSINES).max(1e-6), alpha, eta))
-        });
-        let rows: Vec<_> = rows.collect();
-        Self {
-            means: rows.iter().map(mean).collect(),
-            rows,
+fn look_up(values: &[f32; COSINES], x: f32) -> f32 {
+    let (i, weight) = between(x, COSINES);
+    mix(values[i], values[i + 1], weight)
+}
+
+/// Of dielectric facets, or of mirrors.
+fn table(eta: Option<f32>) -> Table {
+    let alpha = |i: usize| MIN_ALPHA.powf(1.0 - i as f32 / (ALPHAS - 1) as f32);
+    (0..ALPHAS).map(|i| Row::new(alpha(i), eta)).collect()
+}
+
+impl Row {
+    fn new(alpha: f32, eta: Option<f32>) -> Self {
+        let node = |i: usize| (i as f32 / (COSINES - 1) as f32).powi(2);
+        let at = |cosine: f32| shares(cosine.clamp(1e-6, 1.0), alpha, eta);
+        let mut row = Self {
+            alpha,
+            reflected: std::array::from_fn(|i| at(node(i)).reflected),
+            trapped: std::array::from_fn(|i| {
+                let x = node(i);
+                at(x * alpha / (1.0 + alpha - x)).trapped
+            }),
+            mean: Shares::default(),
+        };
+        row.mean = row.mean();
+        row
+    }
+
+    fn reflected(&self, cosine: f32) -> f32 {
+        look_up(&self.reflected, cosine.sqrt())
+    }
+
+    fn trapped(&self, cosine: f32) -> f32 {
+        let x = cosine * (1.0 + self.alpha) / (cosine + self.alpha);
+        look_up(&self.trapped, x.sqrt())
+    }
+
+    /// 2∫(…)μdμ.
+    fn mean(&self) -> Shares {
+        let step = 1.0 / f32::from(MEAN_POINTS);
+        let cosines = (0..MEAN_POINTS).map(|i| (f32::from(i) + 0.5) * step);
+        let [mut reflected, mut trapped] = [0.0_f64; 2];
+        for cosine in cosines {
+            reflected += f64::from(2.0 * cosine * step * self.reflected(cosine));
+            trapped += f64::from(2.0 * cosine * step * self.trapped(cosine));
+        }
+        Shares {
+            reflected: reflected as f32,
+            trapped: trapped as f32,
         }
     }
 }
 
-/// 2∫E(μ)μdμ = 4∫E s³ds, s = √μ, of a row that is linear in s between its nodes.
-fn mean(row: &[Shares; COSINES]) -> Shares {
-    let h = 1.0 / (COSINES - 1) as f64;
-    [0, 1].map(|share| {
-        let pieces = row.windows(2).enumerate().map(|(i, ends)| {
-            let [a, b] = [0, 1].map(|e| f64::from(ends[e][share]));
-            let [s, t] = [h * i as f64, h * (i + 1) as f64];
-            let slope = (b - a) / h;
-            let cubic = (t.powi(4) - s.powi(4)) * (a - slope * s);
-            cubic + 0.8 * slope * (t.powi(5) - s.powi(5))
-        });
-        pieces.sum::<f64>() as f32
-    })
-}
-
-/// The mean over visible normals of G₂/G₁ times the reflectance or transmittance.
+/// The mean over visible normals of G₂/G₁ times the reflectance, and what remains of 1.
 fn shares(cosine: f32, alpha: f32, eta: Option<f32>) -> Shares {
     let wo = Vec3::new((1.0 - cosine * cosine).max(0.0).sqrt(), 0.0, cosine);
     let g1 = ggx::g1(wo, alpha);
     let passes = |wi: Vec3| f64::from(ggx::g2(wo, wi, alpha) / g1);
     let [rings, spokes] = POINTS;
-    let mut sums = [0.0_f64; 2];
+    let [mut reflected, mut transmitted] = [0.0_f64; 2];
     for i in 0..rings * spokes {
+        // Rings close up to the rim, where the steepest facets are.
+        let inward = 1.0 - ((i / spokes) as f32 + 0.5) / rings as f32;
+        let weight = f64::from(2.0 * inward) / (rings * spokes) as f64;
         // Half of the facets: the others are their mirror images.
-        let u = [
-            ((i / spokes) as f32 + 0.5) / rings as f32,
-            ((i % spokes) as f32 + 0.5) / (2 * spokes) as f32 - 0.25,
-        ];
-        let h = ggx::sample_visible(wo, alpha, u);
+        let turn = ((i % spokes) as f32 + 0.5) / (2 * spokes) as f32 - 0.25;
+        let h = ggx::sample_visible(wo, alpha, [1.0 - inward * inward, turn]);
         let cos = wo.dot(h).clamp(0.0, 1.0);
         let reflectance = eta.map_or(1.0, |eta| fresnel_dielectric(cos, eta));
-        let reflected = 2.0 * cos * h - wo;
-        if reflected.z > 0.0 {
-            sums[0] += f64::from(reflectance) * passes(reflected);
+        let mirrored = 2.0 * cos * h - wo;
+        if mirrored.z > 0.0 {
+            reflected += weight * f64::from(reflectance) * passes(mirrored);
         }
         if let Some((eta, cos_t)) = eta.and_then(|eta| Some((eta, refracted_cosine(cos, eta)?))) {
             let refracted = (cos / eta - cos_t) * h - wo / eta;
             if refracted.z < 0.0 {
-                sums[1] += f64::from(1.0 - reflectance) * passes(refracted);
+                transmitted += weight * f64::from(1.0 - reflectance) * passes(refracted);
             }
         }
     }
-    sums.map(|sum| (sum / (rings * spokes) as f64) as f32)
+    Shares {
+        reflected: reflected as f32,
+        trapped: (1.0 - reflected - transmitted).max(0.0) as f32,
+    }
 }
 
 /// The light of a lobe (1 − E(μo))(1 − E(μi))/(1 − Ē), seen from one `wo`.
 #[derive(Clone, Copy)]
 pub(super) struct Rest {
     albedo: Albedo,
-    /// Which shares E is the sum of.
-    counted: Shares,
+    /// Whether E counts what the first facet transmits.
+    trapped: bool,
     /// 1 − E(μo): all that the lobe sends.
     pub(super) sent: f32,
     /// 1 − Ē.
@@ -195,32 +237,35 @@ pub(super) struct Rest {
 impl Rest {
     /// What is not reflected by the first facet.
     pub(super) fn unreflected(albedo: Albedo, cosine: f32) -> Self {
-        Self::new(albedo, [1.0, 0.0], cosine)
+        let mean = 1.0 - albedo.interpolate(|row| row.mean.reflected);
+        Self::new(albedo, false, mean, cosine)
     }
 
     /// What is neither reflected nor transmitted by the first facet.
     pub(super) fn trapped(albedo: Albedo, cosine: f32) -> Self {
-        Self::new(albedo, [1.0, 1.0], cosine)
+        let mean = albedo.interpolate(|row| row.mean.trapped);
+        Self::new(albedo, true, mean, cosine)
     }
 
-    fn new(albedo: Albedo, counted: Shares, cosine: f32) -> Self {
-        let mean = rest(counted, albedo.means());
-        let mut this = Self {
+    fn new(albedo: Albedo, trapped: bool, mean: f32, cosine: f32) -> Self {
+        let rest = Self {
             albedo,
-            counted,
-            sent: 1.0,
+            trapped,
+            sent: 0.0,
             mean,
         };
-        this.sent = this.at(cosine);
-        this
+        Self {
+            sent: rest.at(cosine),
+            ..rest
+        }
     }
 
     /// 1 − E, or 0 everywhere if its mean is nothing but rounding.
     fn at(&self, cosine: f32) -> f32 {
-        if self.mean > 1e-6 {
-            rest(self.counted, self.albedo.shares(cosine))
-        } else {
-            0.0
+        match self.trapped {
+            _ if self.mean < 1e-6 => 0.0,
+            true => self.albedo.trapped(cosine),
+            false => 1.0 - self.albedo.reflected(cosine),
         }
     }
 
@@ -246,7 +291,7 @@ impl Rest {
     /// directions of a path must agree, up to the square of the index.
     pub(super) fn transmitted(&self, behind: Self, eta: f32) -> (Self, f32) {
         let thinner = if eta > 1.0 { self } else { &behind };
-        let [_, transmittance] = thinner.albedo.smooth_means();
+        let transmittance = thinner.albedo.smooth_transmittance();
         let scale = if eta > 1.0 { 1.0 } else { eta * eta };
         let coupled = scale * transmittance * self.mean.min(behind.mean);
         let share = if self.mean > 0.0 {
@@ -257,8 +302,4 @@ impl Rest {
         let sent = self.sent;
         (Self { sent, ..behind }, share)
     }
-}
-
-fn rest(counted: Shares, shares: Shares) -> f32 {
-    (1.0 - counted[0] * shares[0] - counted[1] * shares[1]).max(0.0)
 }

@@ -39,7 +39,7 @@ impl<S: Spectrum> RoughConductor<S> {
 
     /// Seen at this cosine to the normal.
     pub(super) fn seen(&self, cosine: f32) -> Seen<S> {
-        let rest = Rest::unreflected(Albedo::mirrors(self.alpha), cosine);
+        let rest = Rest::trapped(Albedo::mirrors(self.alpha), cosine);
         Seen {
             metal: *self,
             rest,

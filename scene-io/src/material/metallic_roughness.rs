@@ -166,15 +166,18 @@ impl<S: Spectrum> Seen<S> {
             return;
         }
         if model.metallic > 0.0 {
-            let rest = Rest::unreflected(Albedo::mirrors(alpha), cosine);
+            let rest = Rest::trapped(Albedo::mirrors(alpha), cosine);
             let mean = schlick(base, 1.0 / 21.0);
             self.lobes[0] = Some((rest.colour(mean) * model.metallic, rest));
         }
         let (rest, (below, share)) = match self.behind {
             Behind::Nothing => return,
             Behind::Sheet => {
-                let rest = Rest::unreflected(Albedo::mirrors(alpha), cosine);
-                (rest, (rest, Albedo::dielectric(eta, 0.0).means()[1]))
+                let rest = Rest::trapped(Albedo::mirrors(alpha), cosine);
+                (
+                    rest,
+                    (rest, Albedo::dielectric(eta, alpha).smooth_transmittance()),
+                )
             }
             Behind::Body(eta) => {
                 let rest = Rest::trapped(Albedo::dielectric(eta, alpha), cosine);
@@ -192,15 +195,14 @@ impl<S: Spectrum> Seen<S> {
         let model = &self.model;
         let sent = |lobe: &Lobe<S>| lobe.map_or(0.0, |(colour, rest)| colour.mean() * rest.sent);
         let base = model.base_color.mean();
-        let [reflected, passed] = if model.metallic < 1.0 {
-            Albedo::dielectric(self.eta, self.alpha).shares(cosine)
+        let reflected = if model.metallic < 1.0 {
+            Albedo::dielectric(self.eta, self.alpha).reflected(cosine)
         } else {
-            [0.0; 2]
+            0.0
         };
         let passed = match self.behind {
             Behind::Nothing => 0.0,
-            Behind::Sheet => 1.0 - reflected,
-            Behind::Body(_) => passed,
+            _ => 1.0 - reflected,
         };
         // The first term is never 0 where facets reflect, lest they be forgotten.
         let metal = schlick(base, (1.0 - cosine).powi(5).max(1.0 / 21.0));
