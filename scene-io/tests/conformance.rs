@@ -94,7 +94,7 @@ balls! {
     everything: "kind = 'metallic_roughness'\n base_color = 0.7\n roughness = 0.3\n metallic = 0.3\n transmission = 0.5\n ior = 1.8";
 }
 
-/// A ball whose every property comes from a texture, with holes and a relief, which is weak for the
+/// A ball whose every property comes from a texture, with a relief that is weak for the
 /// same reason as in [`roof`], under a lamp of bands.
 fn painted() -> Scene<f32> {
     static FOLDER: OnceLock<String> = OnceLock::new();
@@ -124,7 +124,6 @@ fn painted() -> Scene<f32> {
         metallic_roughness = {{ file = '{folder}/noise.png', scale = 2 }}
         transmission = {{ file = '{folder}/noise.png', factor = 0.5, rotation = 30 }}
         normal_map = {{ file = '{folder}/relief.png', scale = [4, 2], strength = 0.2 }}
-        alpha = 0.8
         [[shapes]]
         kind = 'sphere'
         center = [0, 0, 0]

@@ -98,11 +98,15 @@ impl Albedo {
     }
 
     fn interpolate(&self, at: impl Fn(&Row) -> f32) -> f32 {
-        let [first, second] = self.tables.map(|table| {
+        let in_table = |table: &Table| {
             let rows = [&table[self.row], &table[self.row + 1]];
             mix(at(rows[0]), at(rows[1]), self.row_weight)
-        });
-        mix(first, second, self.table_weight)
+        };
+        let first = in_table(self.tables[0]);
+        if self.table_weight == 0.0 {
+            return first;
+        }
+        mix(first, in_table(self.tables[1]), self.table_weight)
     }
 
     /// The share of light arriving at this cosine that the first facet reflects.
