@@ -1,15 +1,30 @@
 //! The command line.
 
+use crate::diff::DiffArguments;
+use crate::merge::MergeArguments;
 use clap::{Args, Parser, Subcommand};
+use clap_complete::Shell;
 use std::path::PathBuf;
 use std::time::Duration;
 use tyndall_driver::Budget;
+
+/// What a script can tell from the exit code.
+const EXIT_CODES: &str = "\
+Exit codes:
+  0    done; also a render stopped by Ctrl-C that wrote its image
+  1    the render failed, or anything else that has no code of its own
+  2    the command line is wrong
+  3    the scene, a file that it names, or an image cannot be read or rendered
+  4    an image or a file cannot be written (no rights, disk full); what was there is untouched
+  5    the checkpoint to resume from is damaged or of another render
+  130  a second Ctrl-C did not wait for the pass";
 
 #[derive(Debug, Parser)]
 #[command(
     name = "tyndall",
     version,
-    about = "Renders scenes with participating media"
+    about = "Renders scenes with participating media",
+    after_help = EXIT_CODES
 )]
 pub(crate) struct Arguments {
     #[command(subcommand)]
@@ -18,8 +33,21 @@ pub(crate) struct Arguments {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Render a scene to an image. Ctrl-C stops after the current pass and writes the image.
+    /// Render a scene to an image. Ctrl-C stops and writes what there is.
     Render(RenderArguments),
+    /// Compare an image with a reference. Exits with 0 whether they agree or not: a script takes
+    /// the verdict from --json.
+    #[command(after_help = crate::diff::FIGURES)]
+    Diff(DiffArguments),
+    /// Average renders of one scene with different seeds, weighted by their passes.
+    Merge(MergeArguments),
+    /// Tell what a scene holds and which transport it needs.
+    Inspect(InspectArguments),
+    /// Print a script that completes the command in a shell.
+    Completions {
+        /// The shell.
+        shell: Shell,
+    },
 }
 
 #[derive(Debug, Args)]
@@ -43,6 +71,28 @@ pub(crate) struct RenderArguments {
     /// Threads to render on; all cores by default.
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) threads: Option<u16>,
+    /// Overrides a value of the scene file, as in `--set film.width=64`.
+    #[arg(long, value_name = "KEY=VALUE", value_parser = assignment)]
+    pub(crate) set: Vec<(String, String)>,
+    /// Go on from OUT.exr.checkpoint, which a render leaves every minute and on Ctrl-C: the image
+    /// is the same to the bit as without the interruption.
+    #[arg(long)]
+    pub(crate) resume: bool,
+    /// Show the image in a running tev while it renders.
+    #[arg(long, value_name = "HOST:PORT", value_parser = address)]
+    pub(crate) tev: Option<String>,
+    /// Time between checkpoints, for tests.
+    #[arg(long, value_name = "TIME", value_parser = duration, default_value = "60s", hide = true)]
+    pub(crate) checkpoint_interval: Duration,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct InspectArguments {
+    /// The scene file.
+    pub(crate) scene: PathBuf,
+    /// For programs: JSON instead of text.
+    #[arg(long)]
+    pub(crate) json: bool,
     /// Overrides a value of the scene file, as in `--set film.width=64`.
     #[arg(long, value_name = "KEY=VALUE", value_parser = assignment)]
     pub(crate) set: Vec<(String, String)>,
@@ -78,7 +128,7 @@ impl RenderArguments {
     }
 }
 
-fn exr(text: &str) -> Result<PathBuf, String> {
+pub(crate) fn exr(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
     match path.extension() {
         Some(extension) if extension.eq_ignore_ascii_case("exr") => Ok(path),
@@ -90,6 +140,13 @@ fn assignment(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
         Some((key, value)) if !key.is_empty() => Ok((key.into(), value.into())),
         _ => Err("expected KEY=VALUE, as in film.width=64".into()),
+    }
+}
+
+fn address(text: &str) -> Result<String, String> {
+    match text.rsplit_once(':') {
+        Some((host, port)) if !host.is_empty() && port.parse::<u16>().is_ok() => Ok(text.into()),
+        _ => Err("expected HOST:PORT, as in localhost:14158 (where tev listens by default)".into()),
     }
 }
 

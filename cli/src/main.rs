@@ -1,23 +1,35 @@
-//! `tyndall`: renders scenes with participating media.
-//!
-//! Exit codes: 0 done (a render stopped by Ctrl-C that wrote its image included), 1 the scene, the
-//! render or the output failed, 2 the command line was wrong, 130 a second Ctrl-C did not wait.
+//! `tyndall`: renders scenes with participating media. `tyndall --help` lists the exit codes.
 #![forbid(unsafe_code)]
 
 mod arguments;
+mod checkpoint;
+mod diff;
+mod failure;
+mod inspect;
+mod keeper;
+mod merge;
+mod preview;
 mod progress;
 mod render;
 
-use clap::Parser;
+use arguments::{Arguments, Command};
+use clap::{CommandFactory, Parser};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let arguments::Command::Render(arguments) = arguments::Arguments::parse().command;
-    match render::run(&arguments) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            progress::message(&format!("error: {error}"));
-            ExitCode::FAILURE
+    let done = match Arguments::parse().command {
+        Command::Render(arguments) => render::run(&arguments),
+        Command::Diff(arguments) => diff::run(&arguments),
+        Command::Merge(arguments) => merge::run(&arguments),
+        Command::Inspect(arguments) => inspect::run(&arguments),
+        Command::Completions { shell } => {
+            let mut command = Arguments::command();
+            clap_complete::generate(shell, &mut command, "tyndall", &mut std::io::stdout());
+            Ok(())
         }
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => error.report(),
     }
 }

@@ -1,12 +1,15 @@
 //! `tyndall render`.
 
 use crate::arguments::RenderArguments;
+use crate::checkpoint::{Checkpoint, Identity, fingerprint};
+use crate::failure::Error;
+use crate::keeper::Keeper;
+use crate::preview::Preview;
 use crate::progress::{Bar, message};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
 use tyndall_core::{AnyIntegrator, Rgb, Spectrum};
-use tyndall_driver::{Budget, Film, PassStreams, Render, RenderError};
+use tyndall_driver::{Budget, Film, PassStreams, Render, Snapshot};
 use tyndall_path::{Path, Scattering};
 use tyndall_scene_io::{
     IntegratorConfig, Metadata, RenderOutput, Scene, SceneFile, check_writable, write_exr,
@@ -19,26 +22,12 @@ const PASSES: u64 = 64;
 /// Exit code of a second Ctrl-C, which does not wait for the pass: 128 + SIGINT.
 const INTERRUPTED: i32 = 130;
 
-/// Why there is no image.
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum Error {
-    #[error(transparent)]
-    Scene(#[from] tyndall_scene_io::Error),
-    #[error("no integrator is called `{0}`: choose `path`")]
-    UnknownIntegrator(String),
-    #[error(transparent)]
-    Render(#[from] RenderError),
-    #[error("the threads could not be started: {0}")]
-    Threads(#[from] rayon::ThreadPoolBuildError),
-    #[error("Ctrl-C could not be watched for: {0}")]
-    Interrupt(#[from] ctrlc::Error),
-}
-
 /// Renders and writes.
 pub(crate) fn run(arguments: &RenderArguments) -> Result<(), Error> {
     let file = SceneFile::load(&arguments.scene, &arguments.set)?;
-    let config = file.integrator();
-    let name = arguments.integrator.as_ref().unwrap_or(&config.name);
+    for notice in file.notices() {
+        message(&format!("notice: {notice}"));
+    }
     check_writable(&arguments.output)?;
     if let Some(png) = &arguments.png {
         check_writable(png)?;
@@ -56,9 +45,9 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<(), Error> {
         .build()?;
     pool.install(|| {
         if file.is_grey() {
-            render::<f32>(arguments, &file, name, &cancelled)
+            render::<f32>(arguments, &file, &cancelled)
         } else {
-            render::<Rgb>(arguments, &file, name, &cancelled)
+            render::<Rgb>(arguments, &file, &cancelled)
         }
     })
 }
@@ -67,33 +56,54 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<(), Error> {
 fn render<S: Spectrum>(
     arguments: &RenderArguments,
     file: &SceneFile,
-    name: &str,
     cancelled: &AtomicBool,
 ) -> Result<(), Error> {
     let config = file.integrator();
-    let scene = file.build::<S>()?;
+    let name = arguments.integrator.as_ref().unwrap_or(&config.name);
     let integrator = integrator(name, config)?;
+    let checkpoint = Checkpoint::beside(
+        &arguments.output,
+        Identity {
+            version: env!("CARGO_PKG_VERSION").into(),
+            scene: fingerprint(&arguments.scene, &arguments.set)?,
+            integrator: describe(name, config),
+            seed: arguments.seed,
+        },
+    );
+    let earlier = earlier(arguments, &checkpoint)?;
+    let scene = file.build::<S>()?;
+    let mut render = Render::new(&scene, integrator.as_ref())
+        .seed(arguments.seed)
+        .cancelled_by(cancelled);
+    if let Some(snapshot) = earlier {
+        render = render.resume(snapshot);
+    }
     let budget = arguments
         .budget()
         .unwrap_or(Budget::Passes(config.passes.unwrap_or(PASSES)));
-    let start = Instant::now();
-    let film = {
-        let bar = Bar::new();
-        Render::new(&scene, integrator.as_ref())
-            .seed(arguments.seed)
-            .cancelled_by(cancelled)
-            .run(budget, |progress| bar.report(&progress))?
-    };
+    let mut keeper = Keeper::new(&checkpoint, arguments.checkpoint_interval);
+    let snapshot = passes(arguments, render, budget, &mut keeper)?;
+    let interrupted = cancelled.load(Ordering::Relaxed);
+    let film = snapshot.film();
     let metadata = Metadata {
         scene: arguments.scene.display().to_string(),
+        fingerprint: checkpoint.fingerprint(),
         integrator: describe(name, config),
         seed: arguments.seed,
         passes: film.passes(),
-        seconds: start.elapsed().as_secs_f64(),
+        seconds: snapshot.elapsed().as_secs_f64(),
         version: env!("CARGO_PKG_VERSION").into(),
-        notes: notes(config, &film, cancelled.load(Ordering::Relaxed)),
+        notes: notes(config, film, interrupted),
+        ..Metadata::default()
     };
-    write(arguments, &film, &metadata)?;
+    let written = write(arguments, film, &metadata);
+    if !interrupted && written.is_ok() {
+        keeper.finish(message);
+    } else if keeper.keep(&snapshot, message) {
+        let path = checkpoint.path().display();
+        message(&format!("note: {path} holds the passes: --resume goes on"));
+    }
+    written?;
     message(&format!(
         "{}: {} passes in {:.1} s, relative error {:.2} %",
         arguments.output.display(),
@@ -105,6 +115,57 @@ fn render<S: Spectrum>(
         message(&format!("note: {note}"));
     }
     Ok(())
+}
+
+/// What an earlier render of the same image left, if it is to be continued.
+fn earlier<S: Spectrum>(
+    arguments: &RenderArguments,
+    checkpoint: &Checkpoint,
+) -> Result<Option<Snapshot<S>>, Error> {
+    let path = checkpoint.path().display();
+    if !arguments.resume {
+        if checkpoint.path().exists() {
+            message(&format!(
+                "note: {path} of an earlier render is replaced; --resume would have continued it"
+            ));
+        }
+        return Ok(None);
+    }
+    let snapshot = checkpoint.read()?;
+    match &snapshot {
+        None => message(&format!("note: {path} is not there: starting afresh")),
+        Some(snapshot) => message(&format!(
+            "{path}: going on after {} passes",
+            snapshot.film().passes()
+        )),
+    }
+    Ok(snapshot)
+}
+
+/// Renders until the budget is spent, with a bar, checkpoints, and tev if it is asked for.
+fn passes<S: Spectrum>(
+    arguments: &RenderArguments,
+    render: Render<'_, Scene<S>>,
+    budget: Budget,
+    keeper: &mut Keeper<'_>,
+) -> Result<Snapshot<S>, Error> {
+    let bar = Bar::new();
+    let mut preview = arguments.tev.as_ref().map(|address| {
+        let name = arguments.output.display().to_string();
+        Preview::start::<S>(address.clone(), name, bar.speaker())
+    });
+    let watch = |share| bar.within(share);
+    let snapshot = render.watched_by(&watch).advance(budget, |progress| {
+        bar.report(progress);
+        if let Some(preview) = &mut preview {
+            preview.show(progress.snapshot.film());
+        }
+        keeper.after_pass(progress.snapshot, bar.speaker());
+    })?;
+    if let Some(preview) = preview {
+        preview.finish(snapshot.film());
+    }
+    Ok(snapshot)
 }
 
 /// The integrator of this name, as the scene configures it.
@@ -192,6 +253,8 @@ fn write<S: Spectrum>(
         height,
         radiance: &radiance,
         variance: &variance,
+        features: None,
+        view: None,
         metadata,
     };
     write_exr(&arguments.output, &output)?;

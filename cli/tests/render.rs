@@ -98,29 +98,37 @@ fn the_same_seed_gives_the_same_picture_and_another_seed_another() {
 }
 
 #[test]
-fn what_cannot_be_is_one_message_and_exit_1() {
+fn what_cannot_be_is_one_message_and_an_exit_code_of_its_kind() {
     let folder = folder();
     let (_, out) = path(&folder, "out.exr");
     let scene = scene("laser");
     let nowhere = format!("{}/no/such/folder/out.exr", folder.path().display());
-    for (arguments, needles) in [
+    for (arguments, code, needles) in [
         (
             vec!["render", "missing.toml", "-o", &out],
+            3,
             &["missing.toml"][..],
         ),
         (
             vec!["render", &scene, "-o", &out, "--set", "film.widht=3"],
-            &["widht", "width"],
+            3,
+            &["film.widht", "width"],
         ),
         (
             vec!["render", &scene, "-o", &out, "--integrator", "photons"],
+            1,
             &["photons", "path"],
         ),
-        (vec!["render", &scene, "-o", &nowhere], &["no/such/folder"]),
+        (
+            vec!["render", &scene, "-o", &nowhere],
+            4,
+            &["no/such/folder"],
+        ),
+        (vec!["inspect", "missing.toml"], 3, &["missing.toml"]),
     ] {
         let output = tyndall(&arguments);
         let said = said(&output);
-        assert_eq!(output.status.code(), Some(1), "{arguments:?}: {said}");
+        assert_eq!(output.status.code(), Some(code), "{arguments:?}: {said}");
         assert_eq!(said.trim_end().lines().count(), 1, "{said}");
         assert!(needles.iter().all(|n| said.contains(n)), "{said}");
         assert!(names(folder.path()).is_empty(), "{arguments:?}");

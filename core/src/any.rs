@@ -1,7 +1,8 @@
 //! The object-safe twin of an integrator: one virtual call a tile, none a photon.
 
 use crate::{
-    Domain, HostTypes, Integrator, PassContext, PassError, Sampler, Sensor, Splat, Streams,
+    Domain, HostTypes, Integrator, PassContext, PassError, Sampler, Sensor, Splat, StateError,
+    Streams,
 };
 use std::any::Any;
 
@@ -76,6 +77,36 @@ pub trait AnyIntegrator<H: HostTypes, R: Streams>: Sync {
 
     /// See [`Integrator::splats`].
     fn splats_any<'p>(&self, pass: &'p AnyPass) -> &'p [Splat<H::Spectrum>];
+
+    /// See [`Integrator::save_pass`].
+    ///
+    /// # Errors
+    /// As there.
+    ///
+    /// # Panics
+    /// If `pass` comes from another integrator.
+    fn save_any(&self, pass: &AnyPass, bytes: &mut Vec<u8>) -> Result<(), StateError>;
+
+    /// See [`Integrator::restore_pass`].
+    ///
+    /// # Errors
+    /// As there.
+    fn restore_any(&self, host: &H, bytes: &[u8]) -> Result<Option<AnyPass>, StateError>;
+
+    /// Appends to `bytes` what all these pixels remember.
+    ///
+    /// # Errors
+    /// See [`Integrator::save_pixel`].
+    ///
+    /// # Panics
+    /// If `pixels` come from another integrator.
+    fn save_pixels(&self, pixels: &AnyPixels, bytes: &mut Vec<u8>) -> Result<(), StateError>;
+
+    /// `count` pixels from what [`AnyIntegrator::save_pixels`] wrote of as many.
+    ///
+    /// # Errors
+    /// [`StateError::Corrupt`], also for bytes that are left over.
+    fn restore_pixels(&self, count: usize, bytes: &[u8]) -> Result<AnyPixels, StateError>;
 }
 
 impl<H: Sensor, R: Streams, I: Integrator<H>> AnyIntegrator<H, R> for I {
@@ -116,6 +147,29 @@ impl<H: Sensor, R: Streams, I: Integrator<H>> AnyIntegrator<H, R> for I {
 
     fn splats_any<'p>(&self, pass: &'p AnyPass) -> &'p [Splat<H::Spectrum>] {
         self.splats(pass.downcast_ref::<I::Pass>().expect(FOREIGN))
+    }
+
+    fn save_any(&self, pass: &AnyPass, bytes: &mut Vec<u8>) -> Result<(), StateError> {
+        self.save_pass(pass.downcast_ref::<I::Pass>().expect(FOREIGN), bytes)
+    }
+
+    fn restore_any(&self, host: &H, bytes: &[u8]) -> Result<Option<AnyPass>, StateError> {
+        let pass = self.restore_pass(host, bytes)?;
+        Ok(pass.map(|pass| Box::new(pass) as AnyPass))
+    }
+
+    fn save_pixels(&self, pixels: &AnyPixels, bytes: &mut Vec<u8>) -> Result<(), StateError> {
+        let pixels = pixels.downcast_ref::<Vec<I::Pixel>>().expect(FOREIGN);
+        (pixels.iter()).try_for_each(|pixel| self.save_pixel(pixel, bytes))
+    }
+
+    fn restore_pixels(&self, count: usize, mut bytes: &[u8]) -> Result<AnyPixels, StateError> {
+        let pixels: Result<Vec<I::Pixel>, _> =
+            (0..count).map(|_| self.restore_pixel(&mut bytes)).collect();
+        match bytes {
+            [] => Ok(Box::new(pixels?)),
+            _ => Err(StateError::Corrupt),
+        }
     }
 }
 

@@ -13,7 +13,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 ///
 /// Radii and the like depend on the pass index alone, so passes run in any order on any machine.
 /// State that must follow earlier passes lives in `Pixel` (per pixel, kept by the driver from pass
-/// to pass) or rides in `previous`.
+/// to pass) or rides in `previous`. A driver stops a render and continues it in another process
+/// through [`Integrator::save_pass`] and [`Integrator::save_pixel`]: a method whose `Pass` or
+/// `Pixel` has a size must say what is to be kept of it, if only that it is nothing; until it does,
+/// its renders are refused rather than continued wrongly.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` cannot render the host `{H}`",
     note = "the host lacks a capability that the integrator bounds on; the notes below name it"
@@ -51,7 +54,81 @@ pub trait Integrator<H: HostTypes>: Sync {
         let _ = pass;
         &[]
     }
+
+    /// Appends to `bytes` what the next pass must find in `previous`: nothing for methods that only
+    /// reuse its memory.
+    ///
+    /// # Errors
+    /// [`StateError::Unsaved`], by default for a `Pass` that has a size.
+    fn save_pass(&self, pass: &Self::Pass, bytes: &mut Vec<u8>) -> Result<(), StateError> {
+        let _ = (pass, bytes);
+        stateless::<Self::Pass>()
+    }
+
+    /// The `previous` of the next pass, from what [`Integrator::save_pass`] wrote; `None`, the
+    /// default, where that is nothing.
+    ///
+    /// # Errors
+    /// [`StateError::Corrupt`].
+    fn restore_pass(&self, host: &H, bytes: &[u8]) -> Result<Option<Self::Pass>, StateError> {
+        let _ = host;
+        match bytes {
+            [] => Ok(None),
+            _ => Err(StateError::Corrupt),
+        }
+    }
+
+    /// Appends to `bytes` what a pixel remembers.
+    ///
+    /// # Errors
+    /// [`StateError::Unsaved`], by default for a `Pixel` that has a size.
+    fn save_pixel(&self, pixel: &Self::Pixel, bytes: &mut Vec<u8>) -> Result<(), StateError> {
+        let _ = (pixel, bytes);
+        stateless::<Self::Pixel>()
+    }
+
+    /// A pixel, from what [`Integrator::save_pixel`] wrote at the front of `bytes`, which it takes
+    /// off; a fresh one by default.
+    ///
+    /// # Errors
+    /// [`StateError::Corrupt`].
+    fn restore_pixel(&self, bytes: &mut &[u8]) -> Result<Self::Pixel, StateError> {
+        let _ = bytes;
+        Ok(Self::Pixel::default())
+    }
 }
+
+/// What has no size remembers nothing.
+fn stateless<T>() -> Result<(), StateError> {
+    match size_of::<T>() {
+        0 => Ok(()),
+        _ => Err(StateError::Unsaved),
+    }
+}
+
+/// Why a render cannot be continued in another process.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum StateError {
+    /// The method remembers earlier passes and does not save what it remembers.
+    Unsaved,
+    /// The bytes are not what the method saved.
+    Corrupt,
+}
+
+impl fmt::Display for StateError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Unsaved => {
+                "the integrator remembers earlier passes and cannot save what it remembers: \
+                 its renders run from their start to their end"
+            }
+            Self::Corrupt => "the saved state is not one of this integrator: start afresh",
+        })
+    }
+}
+
+impl std::error::Error for StateError {}
 
 /// A contribution to the film: its value is added to the pixel that holds `raster`.
 #[derive(Clone, Copy, Debug)]

@@ -40,7 +40,7 @@ pub use host::{
     Geometry, HostTypes, LightDirect, LightEmission, LightPdf, Media, Sensor, SensorImportance,
     Shading, ShadingPdf,
 };
-pub use integrator::{Integrator, PassContext, PassError, Splat};
+pub use integrator::{Integrator, PassContext, PassError, Splat, StateError};
 pub use light::{DirectSample, EmissionPdf, EmissionSample, LightKind};
 pub use medium::{
     Coefficients, Collision, FreeFlight, Majorant, Medium, MediumId, PhaseFunction, PhaseSample,

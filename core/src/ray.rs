@@ -55,7 +55,8 @@ pub enum Anchor<Hit> {
 pub struct SensorRay<S> {
     /// From the sensor into the scene; infinite.
     pub ray: Ray,
-    /// The pixel value is `weight` times the radiance arriving along the ray (lens, vignetting).
+    /// The pixel value is the mean of `weight` times the radiance arriving along the ray (lens,
+    /// vignetting, reconstruction filter; negative in the lobes of a filter that has them).
     pub weight: S,
     /// The medium in which the ray starts.
     pub medium: MediumId,

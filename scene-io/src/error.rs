@@ -1,10 +1,13 @@
 //! What can go wrong between a file and a scene, and between an image and a file.
 
+use miette::{Diagnostic, LabeledSpan, SourceCode};
 use std::fmt;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Why a scene could not be loaded or an image not be written.
+/// Why a scene could not be loaded or an image not be written: one message that names the place, the
+/// field and the mend. As a [`Diagnostic`] it also shows the line of the scene file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -69,6 +72,33 @@ impl Error {
             reason: reason.to_string(),
         }
     }
+
+    /// Where in the scene file, if there.
+    fn place(&self) -> Option<&Place> {
+        match self {
+            Self::Scene { place, .. } | Self::Syntax { place, .. } => Some(place),
+            _ => None,
+        }
+    }
+}
+
+impl Diagnostic for Error {
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        match self.place()? {
+            Place::File { text, .. } => Some(text),
+            Place::Override(_) => None,
+        }
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        let Place::File { text, span, .. } = self.place()? else {
+            return None;
+        };
+        // A table runs over many lines: the first one says which.
+        let line = text.get(span.clone())?.lines().next().unwrap_or("");
+        let label = LabeledSpan::new(None, span.start, line.len());
+        Some(Box::new(std::iter::once(label)))
+    }
 }
 
 /// Where a value is written.
@@ -83,6 +113,10 @@ pub enum Place {
         line: usize,
         /// Column, in characters.
         column: usize,
+        /// The whole file.
+        text: Arc<str>,
+        /// The bytes of the value, or of its key.
+        span: Range<usize>,
     },
     /// In an override, as `key=value`.
     Override(Arc<str>),
@@ -91,7 +125,9 @@ pub enum Place {
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::File { path, line, column } => write!(f, "{path}:{line}:{column}"),
+            Self::File {
+                path, line, column, ..
+            } => write!(f, "{path}:{line}:{column}"),
             Self::Override(text) => write!(f, "override {text}"),
         }
     }

@@ -1,6 +1,7 @@
 //! Scene files: TOML in, a checked description out.
 
 mod document;
+mod film;
 mod include;
 mod light;
 mod material;
@@ -12,6 +13,7 @@ mod shape;
 mod texture;
 mod view;
 
+pub(crate) use document::{Node, Value};
 pub(crate) use material::{Material, MediumName};
 pub(crate) use shape::{Solid, around_points};
 pub use view::{IntegratorConfig, Scattering};
@@ -21,7 +23,6 @@ use crate::light::Light;
 use crate::media::MediumDescription;
 use crate::spectrum::is_grey;
 use crate::{Error, Place, Scene};
-use document::Node;
 use glam::DVec3;
 use include::Included;
 use reader::{Field, Table};
@@ -57,6 +58,25 @@ pub(crate) struct Part {
     pub(crate) emission: Rgb,
 }
 
+/// The tree of a scene file with its overrides.
+pub(crate) fn parse_document(
+    path: &Path,
+    text: &str,
+    overrides: &[(String, String)],
+) -> Result<Node, Error> {
+    overridden(
+        document::parse(&path.display().to_string(), text)?,
+        overrides,
+    )
+}
+
+fn overridden(mut root: Node, overrides: &[(String, String)]) -> Result<Node, Error> {
+    for (key, value) in overrides {
+        overrides::apply(&mut root, key, value)?;
+    }
+    Ok(root)
+}
+
 impl SceneFile {
     /// Reads a scene file, or a glTF file (by its name, `.gltf` or `.glb`) as a scene file that
     /// includes nothing else. `overrides` are pairs of a dotted key and a value as TOML writes it:
@@ -66,7 +86,8 @@ impl SceneFile {
     /// The first thing that is wrong: its place, its key and the mend.
     pub fn load(path: &Path, overrides: &[(String, String)]) -> Result<Self, Error> {
         if include::is_gltf(path) {
-            return Self::overridden(path, include::scene_of(path), overrides, true);
+            let text = include::scene_of(path);
+            return Self::whole(path, parse_document(path, &text, overrides)?, true);
         }
         let text = std::fs::read_to_string(path).map_err(|source| Error::Read {
             path: path.to_owned(),
@@ -81,20 +102,11 @@ impl SceneFile {
     /// # Errors
     /// As there.
     pub fn parse(text: &str, path: &Path, overrides: &[(String, String)]) -> Result<Self, Error> {
-        let root = document::parse(&path.display().to_string(), text)?;
-        Self::overridden(path, root, overrides, false)
+        Self::whole(path, parse_document(path, text, overrides)?, false)
     }
 
-    /// `direct` if the scene is nothing but the glTF file of this path.
-    fn overridden(
-        path: &Path,
-        mut root: Node,
-        overrides: &[(String, String)],
-        direct: bool,
-    ) -> Result<Self, Error> {
-        for (key, value) in overrides {
-            overrides::apply(&mut root, key, value)?;
-        }
+    /// The scene of a tree; `direct` if it is nothing but the glTF file of this path.
+    fn whole(path: &Path, mut root: Node, direct: bool) -> Result<Self, Error> {
         let table = Field::root(&root).table()?;
         table.expect(&SECTIONS);
         table.finish()?;
@@ -135,7 +147,10 @@ impl SceneFile {
             media_names,
             materials,
             parts,
-            lights: lights(&table, origin)?.into_iter().chain(lamps).collect(),
+            lights: lights(&table, folder, origin)?
+                .into_iter()
+                .chain(lamps)
+                .collect(),
             origin,
             integrator: view::read_integrator(table.optional("integrator").as_ref())?,
             notices: shapes
@@ -158,6 +173,7 @@ impl SceneFile {
             });
         }
         self.lights.iter().for_each(|light| see(light.colour));
+        grey &= self.lights.iter().all(|light| light.source.is_grey());
         let textured = |part: &Part| self.materials[part.material].maps.are_grey();
         grey && self.parts.iter().all(textured) && self.media.iter().all(MediumDescription::is_grey)
     }
@@ -261,11 +277,13 @@ fn materials_and_shapes<'a>(
     Ok(reader)
 }
 
-fn lights(table: &Table<'_>, origin: DVec3) -> Result<Vec<Light<Rgb>>, Error> {
+fn lights(table: &Table<'_>, folder: &Path, origin: DVec3) -> Result<Vec<Light<Rgb>>, Error> {
     let fields = listed(table, "lights")?;
     let listed = fields.iter().map(|field| light::read(field, origin));
     let environment = table.optional("environment");
-    let environment = environment.iter().map(light::read_environment);
+    let environment = environment
+        .iter()
+        .map(|field| light::read_environment(field, folder));
     listed.chain(environment).collect()
 }
 

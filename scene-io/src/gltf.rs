@@ -17,7 +17,7 @@ mod node;
 mod placement;
 mod uri;
 
-pub(crate) use camera::View;
+pub(crate) use camera::{Projection, View};
 pub(crate) use light::Lamp;
 pub(crate) use node::SceneChoice;
 

@@ -144,7 +144,7 @@ impl<S: Spectrum> Scene<S> {
     }
 
     /// `None` if the surface is not there.
-    fn bsdf(&self, hit: &Hit) -> Option<Bsdf<S>> {
+    pub(crate) fn bsdf(&self, hit: &Hit) -> Option<Bsdf<S>> {
         let look = self.look(hit.shape.shape);
         (hit.presence == Presence::There).then(|| look.bsdf(&self.surfaces, &hit.shape))
     }
@@ -215,8 +215,8 @@ impl<S: Spectrum> Shading for Scene<S> {
         }
     }
 
-    fn background(&self, _: Vec3) -> S {
-        self.lights.background()
+    fn background(&self, direction: Vec3) -> S {
+        self.lights.background(direction)
     }
 }
 
@@ -294,8 +294,9 @@ impl<S: Spectrum> Sensor for Scene<S> {
     }
 
     fn sensor_ray(&self, px: [u32; 2], u: [f32; 4]) -> SensorRay<S> {
-        let ray = self.camera.ray(px, u);
+        let (ray, weight) = self.camera.ray(px, u);
         SensorRay {
+            weight: S::splat(weight),
             pdf_w: self.camera.pdf_w(ray.direction),
             ..SensorRay::new(ray, self.camera_medium)
         }

@@ -1,12 +1,15 @@
 //! Images to files: complete or not at all.
 
 mod exr_file;
+mod passes;
 mod png_file;
 
 pub use exr_file::write_exr;
+pub use passes::PassRange;
 pub use png_file::write_png;
 
-use crate::Error;
+use crate::{Error, Features};
+use glam::Vec3;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
@@ -23,8 +26,28 @@ pub struct RenderOutput<'a, S> {
     pub radiance: &'a [S],
     /// Variance of `radiance` as an estimate of the mean, in the same order.
     pub variance: &'a [S],
+    /// What the sensor's rays meet first, in the same order.
+    pub features: Option<&'a Features>,
+    /// Which part of which picture it is, and from where it was taken.
+    pub view: Option<&'a View>,
     /// How it came to be.
     pub metadata: &'a Metadata,
+}
+
+/// The camera of an image, as image files describe it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct View {
+    /// Width and height in pixels of the whole picture.
+    pub picture: [u32; 2],
+    /// The pixel of it that is the first of the image.
+    pub offset: [u32; 2],
+    /// The camera's axes in the world: right, up, back.
+    pub axes: [Vec3; 3],
+    /// The world's origin in the camera's axes.
+    pub shift: Vec3,
+    /// Width of the whole picture in scene units, at distance 1 from a camera with perspective.
+    pub screen_width: f32,
 }
 
 /// How an image came to be; written into the EXR file.
@@ -32,12 +55,18 @@ pub struct RenderOutput<'a, S> {
 pub struct Metadata {
     /// The scene file.
     pub scene: String,
+    /// Identifies the scene's contents: only images of equal ones can be merged.
+    pub fingerprint: String,
     /// The integrator and its settings.
     pub integrator: String,
-    /// Seed of the random numbers.
+    /// Seed of the random numbers; of a merge, that of the first of `parts`.
     pub seed: u64,
-    /// Passes that were averaged.
+    /// Index of the first pass; images of one seed whose passes overlap share random numbers.
+    pub first_pass: u64,
+    /// Passes that were averaged, which is the number of samples of every pixel.
     pub passes: u64,
+    /// Of a merge, the passes of every render in it; empty for one render.
+    pub parts: Vec<PassRange>,
     /// Wall-clock seconds.
     pub seconds: f64,
     /// Version of the program.
@@ -49,14 +78,25 @@ pub struct Metadata {
 impl<S> RenderOutput<'_, S> {
     fn check(&self, path: &Path) -> Result<(), Error> {
         let pixels = self.width as usize * self.height as usize;
-        if pixels == 0 || self.radiance.len() != pixels || self.variance.len() != pixels {
-            let (radiance, variance) = (self.radiance.len(), self.variance.len());
-            return Err(Error::write(
-                path,
-                format!("{pixels} pixels, {radiance} of radiance and {variance} of variance"),
-            ));
+        let mut counts = vec![
+            ("radiance", self.radiance.len()),
+            ("variance", self.variance.len()),
+        ];
+        if let Some(features) = self.features {
+            counts.push(("albedo", features.albedo.len()));
+            counts.push(("normal", features.normal.len()));
+            counts.push(("depth", features.depth.len()));
         }
-        Ok(())
+        match counts
+            .iter()
+            .find(|(_, count)| pixels == 0 || *count != pixels)
+        {
+            None => Ok(()),
+            Some((what, count)) => {
+                let why = format!("{pixels} pixels, {count} of {what}");
+                Err(Error::write(path, why))
+            }
+        }
     }
 }
 

@@ -3,7 +3,9 @@
 
 mod boundary;
 mod camera;
+mod environment_image;
 mod error;
+mod features;
 mod file;
 mod gltf;
 mod host;
@@ -15,16 +17,28 @@ mod mapping;
 mod material;
 mod media;
 mod obj;
+mod rendered;
 mod scene;
+mod sources;
 mod spectrum;
+mod summary;
 mod texture;
 mod vol;
 
 pub use error::{Error, Place};
+pub use features::Features;
 pub use file::{IntegratorConfig, Scattering, SceneFile};
 pub use host::{Hit, Presence};
-pub use image_out::{Metadata, RenderOutput, check_writable, write_exr, write_png};
+pub use image_out::{
+    Metadata, PassRange, RenderOutput, View, check_writable, write_exr, write_png,
+};
 pub use material::{fresnel_conductor, fresnel_dielectric};
+pub use rendered::{RenderedImage, read_exr};
 pub use scene::Scene;
+pub use sources::sources;
+pub use summary::{
+    CameraSummary, Caustics, GeometrySummary, LightSummary, MediumSummary, Needed, Summary,
+    TransportSummary,
+};
 pub use tyndall_surface::Backend;
 pub use vol::{Volume, read_vol};

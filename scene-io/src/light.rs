@@ -14,11 +14,12 @@ mod spot;
 pub(crate) use area::Area;
 pub(crate) use beam::Beam;
 pub(crate) use directional::Directional;
-pub(crate) use environment::Environment;
+pub(crate) use environment::{Environment, Sky};
 pub(crate) use point::Point;
 pub(crate) use spot::{Spot, cone_height, cone_power};
 
 use crate::host::Hit;
+use crate::spectrum::convert;
 use choice::Choice;
 use glam::Vec3;
 use std::f32::consts::PI;
@@ -29,7 +30,7 @@ use tyndall_core::{
 use tyndall_surface::{ShapeHit, Surfaces};
 
 /// A source of light: all it sends is in proportion to its colour.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Light<S> {
     /// See the kinds for what it is the colour of; of a textured surface the mean.
     pub(crate) colour: S,
@@ -37,7 +38,7 @@ pub(crate) struct Light<S> {
 }
 
 /// A kind of light; it emits what its colour says, here taken to be 1.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) enum Source {
     Point(Point),
     Spot(Spot),
@@ -123,7 +124,6 @@ pub(crate) struct Lights<S> {
     /// Index of the light that primitive 0 of a shape is.
     first_of_shape: Vec<Option<usize>>,
     environment: Option<usize>,
-    background: S,
     world: World,
     /// What lies outside of everything.
     ambient: MediumId,
@@ -144,7 +144,6 @@ impl<S: Spectrum> Lights<S> {
         let environment = lights.iter().position(is_environment);
         Self {
             choice: Choice::new(weights(&lights, world).into_iter()),
-            background: environment.map_or(S::default(), |i| lights[i].colour),
             environment,
             lights,
             first_of_shape,
@@ -153,9 +152,16 @@ impl<S: Spectrum> Lights<S> {
         }
     }
 
-    /// Radiance from infinity.
-    pub(crate) fn background(&self) -> S {
-        self.background
+    /// Radiance from infinity, from the direction `w`.
+    pub(crate) fn background(&self, w: Vec3) -> S {
+        self.environment
+            .map_or(S::default(), |i| self.lights[i].colour_from(w))
+    }
+
+    /// Every light and its power; the primitives of a shape in order.
+    pub(crate) fn powers(&self) -> impl Iterator<Item = (&Source, S)> {
+        let world = self.world;
+        (self.lights.iter()).map(move |light| (&light.source, light.power(world)))
     }
 
     /// Sum of the powers, mean of the channels.
@@ -166,20 +172,23 @@ impl<S: Spectrum> Lights<S> {
 
     pub(crate) fn sample_emission(
         &self,
-        [u0, u1, u2, u3, u4, _]: [f32; 6],
+        [u0, u1, u2, u3, u4, u5]: [f32; 6],
         surfaces: &Surfaces,
         radiance: impl Fn(&ShapeHit) -> S,
         locate: impl Fn(Vec3) -> MediumId,
     ) -> Option<EmissionSample<S, Hit>> {
         let (i, pmf) = self.choice.sample(u0)?;
         let (world, ambient) = (self.world, self.ambient);
-        let sample = match &self.lights[i].source {
+        let light = &self.lights[i];
+        let sample = match &light.source {
             Source::Point(light) => light.sample_emission([u1, u2]),
             Source::Spot(light) => light.sample_emission([u1, u2]),
             Source::Directional(light) => light.sample_emission([u1, u2], world, ambient),
             Source::Beam(light) => light.sample_emission([u1, u2]),
             Source::Area(light) => light.sample_emission([u1, u2, u3, u4], surfaces, locate),
-            Source::Environment(light) => light.sample_emission([u1, u2, u3, u4], world, ambient),
+            Source::Environment(light) => {
+                light.sample_emission([u1, u2, u3, u4, u5], world, ambient)?
+            }
         };
         let flux = self.colour(i, &sample.source, radiance) * (sample.flux / pmf);
         (!flux.is_black()).then_some(EmissionSample {
@@ -196,18 +205,19 @@ impl<S: Spectrum> Lights<S> {
     pub(crate) fn sample_direct(
         &self,
         from: Vec3,
-        [u0, u1, u2, _]: [f32; 4],
+        [u0, u1, u2, u3]: [f32; 4],
         surfaces: &Surfaces,
         radiance: impl Fn(&ShapeHit) -> S,
     ) -> Option<DirectSample<S, Hit>> {
         let (i, pmf) = self.choice.sample(u0)?;
-        let sample = match &self.lights[i].source {
+        let light = &self.lights[i];
+        let sample = match &light.source {
             Source::Point(light) => light.sample_direct(from),
             Source::Spot(light) => light.sample_direct(from),
             Source::Directional(light) => light.sample_direct(self.world),
             Source::Beam(light) => light.sample_direct(from)?,
             Source::Area(light) => light.sample_direct(from, [u1, u2], surfaces)?,
-            Source::Environment(light) => light.sample_direct([u1, u2], self.world),
+            Source::Environment(light) => light.sample_direct([u1, u2, u3], self.world)?,
         };
         let weight = self.colour(i, &sample.target, radiance) * (sample.weight / pmf);
         (weight.is_finite() && !weight.is_black()).then_some(DirectSample {
@@ -225,7 +235,8 @@ impl<S: Spectrum> Lights<S> {
     fn colour(&self, i: usize, at: &Anchor<Hit>, radiance: impl Fn(&ShapeHit) -> S) -> S {
         match at {
             Anchor::Surface(hit) => radiance(&hit.shape),
-            _ => self.lights[i].colour,
+            Anchor::Direction(w) => self.lights[i].colour_from(*w),
+            Anchor::Point(_) => self.lights[i].colour,
         }
     }
 
@@ -236,11 +247,17 @@ impl<S: Spectrum> Lights<S> {
             Source::Point(light) => Some(light.position),
             Source::Spot(light) => Some(light.position),
             Source::Beam(light) => Some(light.pivot(ray)),
-            Source::Area(light) => {
-                let hit = surfaces.sample(light.shape, light.primitive, [u[1], u[2]]);
-                Some(surfaces.surface(&hit).position)
-            }
+            Source::Area(light) => Some(light.pivot([u[1], u[2]], surfaces)),
             Source::Directional(_) | Source::Environment(_) => None,
+        }
+    }
+
+    /// The environment, and the probability of its choice.
+    fn environment(&self) -> Option<(&Environment, f32)> {
+        let i = self.environment?;
+        match &self.lights[i].source {
+            Source::Environment(environment) => Some((environment, self.choice.pmf(i))),
+            _ => None,
         }
     }
 
@@ -257,15 +274,13 @@ impl<S: Spectrum> Lights<S> {
     pub(crate) fn pdf_direct_w(&self, from: Vec3, to: &Anchor<Hit>, surfaces: &Surfaces) -> f32 {
         match to {
             Anchor::Point(_) => 0.0,
-            Anchor::Direction(_) => {
-                let pmf = self.environment.map_or(0.0, |i| self.choice.pmf(i));
-                environment::PDF_W * pmf
+            Anchor::Direction(w) => {
+                let environment = self.environment();
+                environment.map_or(0.0, |(light, pmf)| pmf * light.pdf_w(*w))
             }
-            Anchor::Surface(hit) => self.area_at(hit).map_or(0.0, |(area, pmf)| {
-                let surface = surfaces.surface(&hit.shape);
-                let (wi, distance) = (surface.position - from).normalize_and_length();
-                pmf * area.pdf_direct_w(distance, -wi.dot(surface.geometric_normal))
-            }),
+            Anchor::Surface(hit) => self
+                .area_at(hit)
+                .map_or(0.0, |(_, pmf)| pmf * surfaces.pdf_from_w(&hit.shape, from)),
         }
     }
 
@@ -277,10 +292,8 @@ impl<S: Spectrum> Lights<S> {
     ) -> EmissionPdf {
         let pdf = match at {
             Anchor::Point(_) => None,
-            Anchor::Direction(_) => self.environment.map(|i| {
-                let pmf = self.choice.pmf(i);
-                chosen(environment::pdf_emission(self.world), pmf)
-            }),
+            Anchor::Direction(w) => (self.environment())
+                .map(|(light, pmf)| chosen(light.pdf_emission(*w, self.world), pmf)),
             Anchor::Surface(hit) => self.area_at(hit).map(|(area, pmf)| {
                 let normal = surfaces.surface(&hit.shape).geometric_normal;
                 chosen(area.pdf_emission(direction.dot(normal)), pmf)
@@ -292,15 +305,27 @@ impl<S: Spectrum> Lights<S> {
 
 impl<S: Spectrum> Light<S> {
     fn power(&self, world: World) -> S {
-        self.colour
-            * match &self.source {
-                Source::Point(light) => light.power(),
-                Source::Spot(light) => light.power(),
-                Source::Directional(light) => light.power(world),
-                Source::Beam(_) => 1.0,
-                Source::Area(light) => light.power(),
-                Source::Environment(light) => light.power(world),
+        let power = match &self.source {
+            Source::Point(light) => light.power(),
+            Source::Spot(light) => light.power(),
+            Source::Directional(light) => light.power(world),
+            Source::Beam(_) => 1.0,
+            Source::Area(light) => light.power(),
+            Source::Environment(light) => {
+                return self.colour * convert::<S>(light.power(world));
             }
+        };
+        self.colour * power
+    }
+
+    /// The colour of light that arrives from the direction `w`.
+    fn colour_from(&self, w: Vec3) -> S {
+        match &self.source {
+            Source::Environment(Environment::Image(sky)) => {
+                self.colour * convert::<S>(sky.radiance(w))
+            }
+            _ => self.colour,
+        }
     }
 
     /// The same light in other channels.
@@ -320,6 +345,14 @@ impl Source {
             Self::Spot(light) => Some(light.position),
             Self::Beam(light) => Some(light.position),
             Self::Directional(_) | Self::Area(_) | Self::Environment(_) => None,
+        }
+    }
+
+    /// Whether it has no colours of its own.
+    pub(crate) fn is_grey(&self) -> bool {
+        match self {
+            Self::Environment(Environment::Image(sky)) => sky.is_grey(),
+            _ => true,
         }
     }
 

@@ -104,6 +104,17 @@ impl<S: Spectrum> Bsdf<S> {
         }
     }
 
+    /// The colour that a denoiser takes to be the surface's own, 0 to 1: what is reflected of light
+    /// of normal incidence, and 1 where directions are discrete and where light passes.
+    pub(crate) fn albedo(&self) -> S {
+        match *self {
+            Self::Diffuse(reflectance) => reflectance,
+            Self::RoughConductor(m) => conductor::reflectance(1.0, m.eta, m.k),
+            Self::MetallicRoughness(m) if !m.is_body() => m.base_color,
+            _ => S::splat(1.0),
+        }
+    }
+
     /// Density per steradian of [`Bsdf::sample`], discrete directions left out.
     pub(crate) fn pdf_w(&self, wo: Vec3, wi: Vec3, eta: f32) -> f32 {
         match *self {

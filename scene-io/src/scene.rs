@@ -7,7 +7,7 @@ use crate::light::{Area, Light, Lights, Source, World};
 use crate::locate::boundaries_around;
 use crate::look::Look;
 use crate::spectrum::convert;
-use crate::{Error, Place};
+use crate::{Error, Place, View};
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 use tyndall_core::{Aabb, Anchor, MediumId, Spectrum};
@@ -62,7 +62,7 @@ impl<S: Spectrum> Scene<S> {
             looks,
             media: media.map_err(|e| problem(e.to_string()))?,
             boundaries,
-            camera: file.camera,
+            camera: file.camera.clone(),
             camera_medium,
             bounds,
             origin: file.origin,
@@ -73,6 +73,11 @@ impl<S: Spectrum> Scene<S> {
     /// `f64`, when they are loaded.
     pub fn origin(&self) -> DVec3 {
         self.origin
+    }
+
+    /// What an image file says of the camera.
+    pub fn view(&self) -> View {
+        self.camera.view(self.origin)
     }
 
     /// The medium around a point.
@@ -178,7 +183,7 @@ fn lights<S: Spectrum>(
 ) -> Vec<Light<S>> {
     let locate = |p| locate(p, surfaces, boundaries, looks);
     let listed = file.lights.iter().map(|light| {
-        let mut light = light.map(convert);
+        let mut light = light.clone().map(convert);
         light.source.immerse(locate);
         light
     });

@@ -107,6 +107,15 @@ impl Texture {
         [self.width, self.height]
     }
 
+    /// Memory of the texels.
+    pub(crate) fn bytes(&self) -> u64 {
+        let bytes = match &self.texels {
+            Texels::Eight(texels) => size_of_val(texels.as_slice()),
+            Texels::Sixteen(texels) => size_of_val(texels.as_slice()),
+        };
+        bytes as u64
+    }
+
     /// Whether red, green and blue are equal everywhere.
     pub(crate) fn is_grey(&self) -> bool {
         self.is_grey

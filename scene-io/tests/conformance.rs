@@ -2,7 +2,11 @@
 //!
 //! False alarms: 1e-6 a test (see `tyndall_testkit::conformance`).
 
+#[path = "support/sky.rs"]
+mod sky;
+
 use image::{ImageBuffer, Rgb as Rgb8};
+use sky::Sky;
 use std::f32::consts::PI;
 use std::path::Path;
 use std::sync::OnceLock;
@@ -236,17 +240,72 @@ host_conformance! {
     power: 2.0 * PI * (2.0_f32.sqrt() * 1.001).powi(2),
 }
 
-/// An empty scene seen by this camera.
-fn camera(text: &str) -> Scene<f32> {
+/// Noise.
+fn clouds() -> Sky {
+    Sky::exr(24, 12, |x, y| {
+        let hash = |k: usize| ((x * 7919 + y * 104_729 + k * 31) % 97) as f32 / 97.0;
+        Rgb::new(hash(1), hash(2), 3.0 * hash(3).powi(4))
+    })
+}
+
+/// A row above the horizon and one below: each has half of the solid angle.
+fn two_rows() -> Sky {
+    Sky::exr(6, 2, |x, y| Rgb::new((x % 2) as f32, y as f32, 0.5))
+}
+
+/// A ball and a lamp under an image.
+fn under<S: Spectrum>(sky: &Sky) -> Scene<S> {
+    let path = sky.path();
+    scene(&format!(
+        "
+        [environment]
+        file = '{path}'
+        scale = 2
+        up = [0.1, 0.9, 0.3]
+        rotate = 20
+        [materials.matt]
+        kind = 'diffuse'
+        reflectance = 0.5
+        [[shapes]]
+        kind = 'sphere'
+        center = [0, 0, 0]
+        radius = 1
+        material = 'matt'
+        [[lights]]
+        kind = 'point'
+        position = [0, 0.5, 2]
+        power = 5
+        "
+    ))
+}
+
+fn power_under_two_rows() -> Rgb {
+    let size = tyndall_core::Geometry::bounds(&under::<Rgb>(&two_rows())).size();
+    let disc = PI * (0.5 * size.length() * 1.001).powi(2);
+    Rgb::splat(5.0 + 0.5 * 2.0 * 4.0 * PI * disc)
+}
+
+host_conformance! { name: sky_of_clouds, host: under::<Rgb>(&clouds()) }
+
+host_conformance! { name: sky_of_clouds_in_one_channel, host: under::<f32>(&clouds()) }
+
+host_conformance! {
+    name: sky_of_two_rows,
+    host: under::<Rgb>(&two_rows()),
+    power: power_under_two_rows(),
+}
+
+/// An empty scene seen by this camera, on this film of 16 × 12 pixels.
+fn camera(text: &str, film: &str) -> Scene<f32> {
     let text = format!(
         "
         [film]
         width = 16
         height = 12
+        {film}
         [camera]
         position = [1, 2, 3]
         look_at = [0, 0, 0]
-        fov = 60
         {text}"
     );
     let file = SceneFile::parse(&text, Path::new("camera.toml"), &[]);
@@ -254,12 +313,45 @@ fn camera(text: &str) -> Scene<f32> {
         .unwrap_or_else(|e| panic!("{e}"))
 }
 
-host_conformance! { name: pinhole, host: camera(""), checks: [sensor, importance] }
+host_conformance! { name: pinhole, host: camera("fov = 60", ""), checks: [sensor, importance] }
+
+host_conformance! {
+    name: pinhole_by_height,
+    host: camera("vertical_fov = 50", ""),
+    checks: [sensor, importance],
+}
 
 host_conformance! {
     name: thin_lens,
-    host: camera("kind = 'thin_lens'\nlens_radius = 0.3\nfocus_distance = 2"),
+    host: camera("kind = 'thin_lens'\nfov = 60\nlens_radius = 0.3\nfocus_distance = 2", ""),
     checks: [sensor, importance],
+}
+
+host_conformance! {
+    name: cropped_pinhole,
+    host: camera("fov = 60", "crop = [2, 1, 9, 7]"),
+    checks: [sensor, importance],
+}
+
+host_conformance! {
+    name: cropped_thin_lens,
+    host: camera(
+        "kind = 'thin_lens'\nfov = 60\nlens_radius = 0.3\nfocus_distance = 2",
+        "crop = [7, 5, 9, 7]",
+    ),
+    checks: [sensor, importance],
+}
+
+host_conformance! {
+    name: orthographic,
+    host: camera("kind = 'orthographic'\nwidth = 4", ""),
+    checks: [sensor],
+}
+
+host_conformance! {
+    name: filtered,
+    host: camera("fov = 60", "filter = 'mitchell'"),
+    checks: [sensor],
 }
 
 /// A roof of two triangles whose smooth normals lean away from the flat ones.

@@ -1,108 +1,70 @@
-//! The backend without a system library: an eight-wide compressed tree by `obvhs`.
+//! The backend without a system library: eight-wide compressed trees by `obvhs`, in two levels
+//! where meshes are instanced.
 
-use crate::instance;
-use crate::meet::{Line, sphere_roots, triangle};
-use crate::node::BoxRay;
-use crate::shape::{Shape, cross, quad_corners};
-use crate::surfaces::ShapeHit;
-use crate::watertight::Shear;
-use glam::{UVec2, Vec3};
-use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
-use obvhs::cwbvh::{CwBvh, bvh2_to_cwbvh::bvh2_to_cwbvh};
-use obvhs::ploc::PlocBuilder;
-use obvhs::{Boundable, BvhBuildParams, traverse};
+mod placed;
+mod tree;
+
+use crate::instance::{self, Shared};
+use crate::meet::{Line, triangle};
+use crate::shape::{Mesh, Shape, cross, quad_corners};
+use crate::surfaces::Met;
+use glam::Vec3;
+use placed::Placed;
+use std::sync::Arc;
+use tree::{Form, Leaf, Tree};
 use tyndall_core::{Aabb, Ray};
 
-/// A tree over primitives of all kinds.
+/// A tree over primitives and instances, whose meshes have trees of their own.
 pub(crate) struct Embedded {
-    tree: CwBvh,
-    /// In the order of the leaves.
-    leaves: Vec<Leaf>,
-}
-
-/// A primitive and whose it is.
-#[derive(Clone, Copy)]
-struct Leaf {
-    form: Form,
-    shape: u32,
-    primitive: u32,
-}
-
-#[derive(Clone, Copy)]
-enum Form {
-    Triangle([Vec3; 3]),
-    Sphere {
-        center: Vec3,
-        radius: f32,
-    },
-    Disk {
-        center: Vec3,
-        normal: Vec3,
-        radius: f32,
-    },
-}
-
-impl Leaf {
-    fn name(&self) -> (u32, u32) {
-        (self.shape, self.primitive)
-    }
+    tree: Tree,
+    placed: Vec<Placed>,
 }
 
 impl Embedded {
-    pub(crate) fn build(shapes: &[Shape]) -> Self {
-        let mut leaves = Vec::new();
-        for (i, shape) in shapes.iter().enumerate() {
-            for_each_form(shape, |primitive, form| {
+    /// Builds over `shapes`, the boxes around which are `bounds`.
+    pub(crate) fn build(shapes: &[Shape], bounds: &[Aabb]) -> Self {
+        let shared = Shared::of(shapes);
+        let trees: Vec<Arc<Tree>> = (shared.meshes.iter())
+            .map(|mesh| Arc::new(tree_of(mesh)))
+            .collect();
+        let (mut leaves, mut placed) = (Vec::new(), Vec::new());
+        for (i, (shape, instance)) in shapes.iter().zip(shared.of_shape).enumerate() {
+            let mut add = |primitive, form| {
                 leaves.push(Leaf {
                     form,
                     shape: i as u32,
                     primitive,
                 });
-            });
-        }
-        let tree = build_tree(&leaves);
-        let leaves = tree
-            .primitive_indices
-            .iter()
-            .map(|&i| leaves[i as usize])
-            .collect();
-        Self { tree, leaves }
-    }
-
-    /// The nearest hit. Of two primitives at the same distance it is that of the smaller name, so
-    /// that the answer does not depend on the tree.
-    pub(crate) fn intersect(&self, shapes: &[Shape], ray: &Ray) -> Option<(f32, ShapeHit)> {
-        let prepared = Prepared::new(ray);
-        let mut t_max = ray.t_max;
-        let mut nearest: Option<&Leaf> = None;
-        let mut state = self.tree.new_traversal(prepared.boxes.direction);
-        let mut node;
-        traverse!(
-            self.tree,
-            node,
-            state,
-            prepared.boxes.children(node, t_max, state.oct_inv4),
-            {
-                let leaf = &self.leaves[state.primitive_id as usize];
-                if let Some(t) = prepared.meet(&leaf.form, t_max)
-                    && (t < t_max || nearest.is_none_or(|other| leaf.name() < other.name()))
-                {
-                    t_max = t;
-                    nearest = Some(leaf);
+            };
+            match instance {
+                None => for_each_form(shape, add),
+                Some(_) if bounds[i].is_empty() => {}
+                Some((tree, to_world)) => {
+                    add(0, Form::Instance(placed.len() as u32));
+                    placed.push(Placed::new(trees[tree].clone(), to_world, bounds[i]));
                 }
             }
-        );
-        let leaf = nearest?;
-        let shape = &shapes[leaf.shape as usize];
-        let (t, uv) = match (shape, leaf.form) {
+        }
+        Self {
+            tree: Tree::build(&leaves, &placed),
+            placed,
+        }
+    }
+
+    /// The nearest hit.
+    pub(crate) fn intersect(&self, shapes: &[Shape], ray: &Ray) -> Option<(f32, Met)> {
+        let met = self.tree.nearest(ray, &self.placed)?;
+        let (line, t) = (Line::from(ray), met.t.into());
+        let shape = &shapes[met.leaf.shape as usize];
+        let (t, uv) = match (shape, met.leaf.form) {
             (Shape::Mesh(_), Form::Triangle(corners)) => {
-                triangle(&prepared.line, corners.map(|p| p.as_dvec3()), t_max.into())
+                triangle(&line, corners.map(|p| p.as_dvec3()), t)
             }
-            _ => shape.meet(leaf.primitive, &prepared.line, t_max.into()),
+            _ => shape.meet(met.primitive, &line, t),
         };
-        let hit = ShapeHit {
-            shape: leaf.shape,
-            primitive: leaf.primitive,
+        let hit = Met {
+            shape: met.leaf.shape,
+            primitive: met.primitive,
             uv,
         };
         Some(((t as f32).clamp(0.0, ray.t_max), hit))
@@ -110,88 +72,44 @@ impl Embedded {
 
     /// Whether any primitive is met.
     pub(crate) fn occluded(&self, ray: &Ray) -> bool {
-        let prepared = Prepared::new(ray);
-        let mut state = self.tree.new_traversal(prepared.boxes.direction);
-        let mut node;
-        traverse!(
-            self.tree,
-            node,
-            state,
-            prepared.boxes.children(node, ray.t_max, state.oct_inv4),
-            {
-                let leaf = &self.leaves[state.primitive_id as usize];
-                if prepared.meet(&leaf.form, ray.t_max).is_some() {
-                    return true;
-                }
-            }
-        );
-        false
+        self.tree.any(ray, &self.placed)
     }
 }
 
-/// A ray in the forms that the tests want.
-struct Prepared {
-    boxes: BoxRay,
-    shear: Shear,
-    line: Line,
+/// The tree of a mesh, in its own coordinates.
+fn tree_of(mesh: &Mesh) -> Tree {
+    let mut leaves = Vec::new();
+    for (primitive, corners) in triangles(mesh) {
+        leaves.push(Leaf {
+            form: Form::Triangle(corners),
+            shape: 0,
+            primitive,
+        });
+    }
+    Tree::build(&leaves, &[])
 }
 
-impl Prepared {
-    fn new(ray: &Ray) -> Self {
-        Self {
-            boxes: BoxRay::new(ray),
-            shear: Shear::new(ray),
-            line: ray.into(),
-        }
-    }
-
-    /// The distance in (0, `t_max`] at which a primitive is met.
-    #[inline]
-    fn meet(&self, form: &Form, t_max: f32) -> Option<f32> {
-        let within = |t: f64| 0.0 < t && t <= t_max.into();
-        match *form {
-            Form::Triangle(ref corners) => self.shear.meet(corners, t_max),
-            Form::Sphere { center, radius } => {
-                let roots = sphere_roots(&self.line, center.as_dvec3(), radius.into())?;
-                roots.into_iter().find(|&t| within(t)).map(|t| t as f32)
-            }
-            Form::Disk {
-                center,
-                normal,
-                radius,
-            } => {
-                let (center, n) = (center.as_dvec3(), normal.as_dvec3());
-                let Line { origin, direction } = self.line;
-                let t = (center - origin).dot(n) / direction.dot(n);
-                let apart = origin + t * direction - center;
-                let met = within(t) && apart.length() <= radius.into();
-                met.then_some(t as f32)
-            }
-        }
-    }
+/// The triangles of a mesh that have an area.
+fn triangles(mesh: &Mesh) -> impl Iterator<Item = (u32, [Vec3; 3])> {
+    let all = (0..mesh.triangles.len() as u32).map(|i| (i, mesh.corners(i)));
+    all.filter(|&(_, corners)| cross(corners).length_squared() > 0.0)
 }
 
-/// Visits the primitives of a shape; a quad is two triangles of one name. Triangles without area
-/// are left out.
+/// Visits the primitives of a shape; a quad is two triangles of one name, an instance is copied.
 fn for_each_form(shape: &Shape, mut visit: impl FnMut(u32, Form)) {
     match *shape {
         Shape::Mesh(ref mesh) => {
-            for i in 0..mesh.triangles.len() as u32 {
-                let corners = mesh.corners(i);
-                if cross(corners).length_squared() > 0.0 {
-                    visit(i, Form::Triangle(corners));
-                }
+            for (i, corners) in triangles(mesh) {
+                visit(i, Form::Triangle(corners));
             }
         }
         Shape::Instance {
             ref mesh,
             ref to_world,
         } => {
-            for i in 0..mesh.triangles.len() as u32 {
-                if cross(mesh.corners(i)).length_squared() > 0.0 {
-                    let corners = instance::corners(mesh, to_world, i).map(|p| p.as_vec3());
-                    visit(i, Form::Triangle(corners));
-                }
+            for (i, _) in triangles(mesh) {
+                let corners = instance::corners(mesh, to_world, i);
+                visit(i, Form::Triangle(corners.map(|p| p.as_vec3())));
             }
         }
         Shape::Sphere { center, radius } => visit(0, Form::Sphere { center, radius }),
@@ -219,36 +137,37 @@ fn for_each_form(shape: &Shape, mut visit: impl FnMut(u32, Form)) {
     }
 }
 
-impl Boundable for Leaf {
-    fn aabb(&self) -> obvhs::aabb::Aabb {
-        let Aabb { min, max } = match self.form {
-            Form::Triangle(corners) => Aabb::of_points(corners),
-            Form::Sphere { center, radius } => Shape::Sphere { center, radius }.bounds(),
-            Form::Disk {
-                center,
-                normal,
-                radius,
-            } => Shape::Disk {
-                center,
-                normal,
-                radius,
-            }
-            .bounds(),
-        };
-        obvhs::aabb::Aabb::new(min.into(), max.into())
-    }
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bounds::boxes;
+    use glam::{DAffine3, DVec3};
 
-/// What `obvhs` does for its own triangles, without the checks that it adds to debug builds.
-fn build_tree(leaves: &[Leaf]) -> CwBvh {
-    let how = BvhBuildParams::medium_build();
-    let mut pairs = PlocBuilder::with_capacity(leaves.len()).build(
-        how.ploc_search_distance,
-        leaves,
-        (0..leaves.len() as u32).collect(),
-        how.sort_precision,
-        how.search_depth_threshold,
-    );
-    ReinsertionOptimizer::default().run(&mut pairs, how.reinsertion_batch_ratio, None);
-    bvh2_to_cwbvh(&pairs, how.max_prims_per_leaf.clamp(1, 3), true, false)
+    #[test]
+    fn instances_of_one_mesh_share_one_tree() {
+        const COUNT: usize = 10_000;
+        let mut mesh = Mesh::default();
+        for i in 0..1_000 {
+            let p = Vec3::splat(i as f32);
+            mesh.positions.extend([p, p + Vec3::X, p + Vec3::Y]);
+            mesh.triangles.push([3 * i, 3 * i + 1, 3 * i + 2]);
+        }
+        let mesh = Arc::new(mesh);
+        let shapes: Vec<Shape> = (0..COUNT)
+            .map(|i| Shape::Instance {
+                mesh: mesh.clone(),
+                to_world: DAffine3::from_translation(DVec3::X * i as f64),
+            })
+            .collect();
+        assert_eq!(Shared::of(&shapes).meshes.len(), 1);
+        let built = Embedded::build(&shapes, &boxes(&shapes));
+        assert_eq!(built.tree.leaf_count(), COUNT);
+        assert_eq!(built.placed.len(), COUNT);
+        let first = built.placed[0].tree();
+        assert_eq!(first.leaf_count(), 1_000);
+        assert!(built.placed.iter().all(|p| Arc::ptr_eq(p.tree(), first)));
+        // The list of shapes, and the instances within the two of them.
+        assert_eq!(Arc::strong_count(&mesh), COUNT + 1);
+        assert_eq!(Arc::strong_count(first), COUNT);
+    }
 }

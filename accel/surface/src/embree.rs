@@ -1,17 +1,19 @@
 //! The backend over Embree 3.
 
 use crate::error::SurfaceError;
+use crate::instance::Shared;
 use crate::meet::{Line, into_triangle};
 use crate::shape::{Mesh, Shape, cross, quad_corners};
-use crate::surfaces::ShapeHit;
+use crate::surfaces::Met;
 use embree3::{
-    BufferUsage, Device, Error, Format, Geometry, GeometryBuilder, GeometryKind, IntersectContext,
-    RayHit, Scene, SceneFlags,
+    BufferUsage, Device, Error, Format, Geometry, GeometryBuilder, GeometryKind, INVALID_ID,
+    IntersectContext, RayHit, Scene, SceneFlags,
 };
-use glam::{DVec2, Vec3};
+use glam::{DAffine3, DVec2, Vec3};
 use tyndall_core::Ray;
 
-/// A committed scene; the name of a geometry is the index of its shape.
+/// A committed scene; the name of a geometry is the index of its shape. Instances keep the scenes of
+/// their meshes alive.
 pub(crate) struct Embree(Scene<'static>);
 
 impl Embree {
@@ -25,7 +27,7 @@ impl Embree {
 
     /// The nearest hit.
     #[inline]
-    pub(crate) fn intersect(&self, shapes: &[Shape], ray: &Ray) -> Option<(f32, ShapeHit)> {
+    pub(crate) fn intersect(&self, shapes: &[Shape], ray: &Ray) -> Option<(f32, Met)> {
         let mut query = RayHit::from_ray(segment(ray));
         loop {
             self.0
@@ -54,11 +56,17 @@ impl Embree {
 /// The hit that Embree reports; `None` if it is far from the ray, as happens for rays along the
 /// plane of a primitive.
 #[inline]
-fn read(shapes: &[Shape], ray: &Ray, query: &RayHit) -> Option<(f32, ShapeHit)> {
+fn read(shapes: &[Shape], ray: &Ray, query: &RayHit) -> Option<(f32, Met)> {
     let (met, t) = (&query.hit, query.ray.tfar);
-    let shape = &shapes[met.geomID as usize];
-    let hit = |uv| ShapeHit {
-        shape: met.geomID,
+    let [instance] = met.instID;
+    let name = if instance == INVALID_ID {
+        met.geomID
+    } else {
+        instance
+    };
+    let shape = &shapes[name as usize];
+    let hit = |uv| Met {
+        shape: name,
         primitive: met.primID,
         uv,
     };
@@ -68,7 +76,7 @@ fn read(shapes: &[Shape], ray: &Ray, query: &RayHit) -> Option<(f32, ShapeHit)> 
     }
     let (t, uv) = shape.meet(met.primID, &Line::from(ray), t.into());
     let (t, hit) = ((t as f32).clamp(0.0, ray.t_max), hit(uv));
-    let apart = ray.at(t).distance(shape.position(&hit));
+    let apart = ray.at(t).distance(shape.position(hit.primitive, hit.uv));
     (apart <= 1e-3 * (t + ray.origin.length())).then_some((t, hit))
 }
 
@@ -94,8 +102,15 @@ fn build(shapes: &[Shape]) -> Result<Scene<'static>, Error> {
     let device = Device::new()?;
     let mut scene = device.create_scene()?;
     scene.set_flags(SceneFlags::ROBUST);
-    for (i, shape) in shapes.iter().enumerate() {
-        if let Some(geometry) = geometry(&device, shape)? {
+    let shared = Shared::of(shapes);
+    let meshes = (shared.meshes.iter().map(|mesh| scene_of(&device, mesh)))
+        .collect::<Result<Vec<_>, _>>()?;
+    for (i, (shape, placed)) in shapes.iter().zip(shared.of_shape).enumerate() {
+        let geometry = match placed {
+            Some((mesh, to_world)) => Some(place(&device, &meshes[mesh], to_world)?),
+            None => geometry(&device, shape)?,
+        };
+        if let Some(geometry) = geometry {
             scene.attach_geometry_by_id(&geometry, i as u32);
         }
     }
@@ -104,6 +119,32 @@ fn build(shapes: &[Shape]) -> Result<Scene<'static>, Error> {
         Error::NONE => Ok(scene),
         error => Err(error),
     }
+}
+
+/// A scene of one mesh in its own coordinates.
+fn scene_of(device: &Device, mesh: &Mesh) -> Result<Scene<'static>, Error> {
+    let mut scene = device.create_scene()?;
+    scene.set_flags(SceneFlags::ROBUST);
+    if !mesh.triangles.is_empty() {
+        scene.attach_geometry(&triangles(device, mesh, |p| p)?.commit());
+    }
+    scene.commit();
+    Ok(scene)
+}
+
+fn place(
+    device: &Device,
+    mesh: &Scene<'static>,
+    to_world: &DAffine3,
+) -> Result<Geometry<'static>, Error> {
+    let mut geometry = device.create_geometry(GeometryKind::INSTANCE)?;
+    geometry.set_instanced_scene(mesh);
+    let [x, y, z, w] = to_world.to_cols_array_2d().map(|c| c.map(|v| v as f32));
+    let rows = [x.as_slice(), &[0.0], &y, &[0.0], &z, &[0.0], &w, &[1.0]].concat();
+    let mut columns = [0.0; 16];
+    columns.copy_from_slice(&rows);
+    geometry.set_transform(0, &columns);
+    Ok(geometry.commit())
 }
 
 /// The geometry of a shape; `None` for a mesh without triangles, which Embree refuses.

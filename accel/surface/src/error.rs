@@ -74,10 +74,11 @@ pub enum SurfaceError {
         /// Determinant of the linear part.
         determinant: f64,
     },
-    /// An instance puts its mesh beyond 1e18.
+    /// An instance puts its mesh beyond 1e18, or is so flat that its own box reaches as far in the
+    /// coordinates of the mesh.
     #[error(
-        "shape {shape}: to_world takes the mesh beyond 1e18, or its inverse a scene of that size; \
-         correct its scale and translation"
+        "shape {shape}: to_world takes the mesh beyond 1e18, or its inverse the box around the \
+         instance; correct its scale and translation"
     )]
     Range {
         /// The shape.

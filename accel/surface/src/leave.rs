@@ -2,8 +2,8 @@
 
 use crate::instance;
 use crate::shape::Shape;
-use crate::surfaces::{ShapeHit, Surfaces};
-use glam::Vec3;
+use crate::surfaces::{Backend, ShapeHit, Surfaces};
+use glam::{DAffine3, Vec3};
 use tyndall_core::{Anchor, Ray};
 
 /// Rounding of a position: half a unit in the last place for the hit and half for the origin of
@@ -14,6 +14,12 @@ const POSITION_SLACK: f32 = 4.0 / (1 << 24) as f32;
 /// a connection that ends on it.
 const TEST_SLACK: f32 = 16.0 / (1 << 24) as f32;
 
+/// Rounding of Embree's inverse of an instance's transformation and of what it does to a point,
+/// relative to the distances of the point and of the mesh's origin from the world's: some 30
+/// roundings.
+#[cfg(feature = "embree")]
+const INVERSE_SLACK: f32 = 32.0 / (1 << 24) as f32;
+
 impl Surfaces {
     /// The infinite ray leaving `from` in the unit direction `direction`, started where it cannot
     /// meet the surface it leaves again.
@@ -21,7 +27,10 @@ impl Surfaces {
     /// A ray from a surface starts at `p ± h·n` on the side to which it goes, n the geometric
     /// normal and h = 2⁻²² Σ|pᵢnᵢ| + 2⁻²⁰ s, s the size of the primitive. The first term bounds the
     /// rounding of the position (after Pharr, Jakob & Humphreys 2023, §6.8.6), the second that of
-    /// the intersection tests.
+    /// the intersection tests. To these an instance adds the rounding of the ray's way into the
+    /// coordinates of its mesh, which does not grow with scale but with shear: for the embedded
+    /// backend some 2⁻²⁰ s + 2⁻²² |p − q|, for Embree, which inverts in `f32`, 2⁻¹⁹ (|p| + |q|), q
+    /// the point to which the mesh's own origin is taken.
     ///
     /// # Panics
     /// If `from` is [`Anchor::Direction`], which is nowhere.
@@ -39,7 +48,7 @@ impl Surfaces {
         if let Anchor::Direction(direction) = *to {
             return self.spawn(from, direction);
         }
-        let across = self.place(to) - self.place(from);
+        let across = place(to) - place(from);
         let distance = across.length();
         let start = self.start(from, across, 0.0);
         let end = self.start(to, -across, distance);
@@ -54,23 +63,35 @@ impl Surfaces {
 
     /// Where a ray towards `direction` starts, for tests whose rounding grows with `distance`.
     fn start(&self, from: &Anchor<ShapeHit>, direction: Vec3, distance: f32) -> Vec3 {
-        let position = self.place(from);
+        let position = place(from);
         let Anchor::Surface(hit) = from else {
             return position;
         };
-        let normal = self.normal(hit);
-        let away = POSITION_SLACK * position.abs().dot(normal.abs())
-            + TEST_SLACK * self.shape(hit.shape).size(hit.primitive).max(distance);
+        let normal = hit.geometric_normal;
+        let shape = self.shape(hit.shape);
+        let size = shape.size(hit.primitive).max(distance);
+        let mut away = POSITION_SLACK * position.abs().dot(normal.abs()) + TEST_SLACK * size;
+        if let Shape::Instance { to_world, .. } = shape {
+            away += self.transform_slack(to_world, position, size);
+        }
         let side = 1_f32.copysign(direction.dot(normal));
         position + side * away * normal
     }
 
-    fn place(&self, anchor: &Anchor<ShapeHit>) -> Vec3 {
-        match anchor {
-            Anchor::Point(p) => *p,
-            Anchor::Surface(hit) => self.shape(hit.shape).position(hit),
-            Anchor::Direction(_) => panic!("a ray cannot start infinitely far away"),
+    /// What a ray moves by that is taken into the coordinates of an instance's mesh, and tested
+    /// there against a primitive of this `size` in the world.
+    fn transform_slack(&self, to_world: &DAffine3, position: Vec3, size: f32) -> f32 {
+        if !instance::is_shared(to_world) {
+            return 0.0;
         }
+        let (position, origin) = (position.as_dvec3(), to_world.translation);
+        let slack = f64::from(TEST_SLACK * size)
+            + match self.backend() {
+                Backend::Embedded => f64::from(POSITION_SLACK) * position.distance(origin),
+                #[cfg(feature = "embree")]
+                Backend::Embree => f64::from(INVERSE_SLACK) * (position.length() + origin.length()),
+            };
+        (instance::shear(to_world) * slack) as f32
     }
 }
 
@@ -94,5 +115,13 @@ impl Shape {
             Self::Quad { edge_u, edge_v, .. } => (edge_u.abs() + edge_v.abs()).max_element(),
             Self::Sphere { radius, .. } | Self::Disk { radius, .. } => 2.0 * radius,
         }
+    }
+}
+
+fn place(anchor: &Anchor<ShapeHit>) -> Vec3 {
+    match anchor {
+        Anchor::Point(p) => *p,
+        Anchor::Surface(hit) => hit.position,
+        Anchor::Direction(_) => panic!("a ray cannot start infinitely far away"),
     }
 }

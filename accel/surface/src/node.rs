@@ -13,8 +13,8 @@ const DISTANCE_SLACK: f32 = 8.0 / (1 << 24) as f32;
 /// planes by less than 2⁻¹⁰ of it.
 const GRID_SLACK: f32 = 1.0 / (1 << 8) as f32;
 
-/// Components of a direction below it count as this much: its reciprocal must stay finite, and
-/// over 1e18 units of length it moves a ray by no more than one.
+/// Components of a direction below it, relative to the largest, count as this much: the reciprocal
+/// must stay finite, and over a length of 1e18 it moves a ray by no more than one.
 const FLATTEST: f32 = 1e-18;
 
 /// A ray prepared for boxes.
@@ -31,9 +31,10 @@ pub(crate) struct BoxRay {
 
 impl BoxRay {
     pub(crate) fn new(ray: &Ray) -> Self {
+        let flattest = FLATTEST * ray.direction.abs().max_element();
         let inverse = ray
             .direction
-            .map(|d| 1.0 / d.abs().max(FLATTEST).copysign(d));
+            .map(|d| 1.0 / d.abs().max(flattest).copysign(d));
         Self {
             direction: ray.direction.into(),
             origin: ray.origin.into(),

@@ -2,10 +2,8 @@
 
 use crate::instance;
 use crate::octahedral;
-use crate::surfaces::ShapeHit;
 use glam::{DAffine3, DVec2, DVec3, Vec2, Vec3};
 use std::sync::Arc;
-use tyndall_core::Aabb;
 
 /// A shape; its place in the list given to [`Surfaces::build`](crate::Surfaces::build) is its name.
 #[derive(Clone, Debug)]
@@ -83,23 +81,21 @@ impl Shape {
     }
 
     /// Where in space a hit is, to the rounding of `f32`.
-    pub(crate) fn position(&self, hit: &ShapeHit) -> Vec3 {
-        let uv = hit.uv.as_dvec2();
+    pub(crate) fn position(&self, primitive: u32, uv: Vec2) -> Vec3 {
+        let p = uv.as_dvec2();
         let position = match *self {
-            Self::Mesh(ref mesh) => {
-                on_triangle(mesh.corners(hit.primitive).map(|p| p.as_dvec3()), uv)
-            }
+            Self::Mesh(ref mesh) => on_triangle(mesh.corners(primitive).map(|p| p.as_dvec3()), p),
             Self::Instance {
                 ref mesh,
                 ref to_world,
-            } => on_triangle(instance::corners(mesh, to_world, hit.primitive), uv),
+            } => on_triangle(instance::corners(mesh, to_world, primitive), p),
             Self::Quad {
                 corner,
                 edge_u,
                 edge_v,
-            } => corner.as_dvec3() + uv.x * edge_u.as_dvec3() + uv.y * edge_v.as_dvec3(),
+            } => corner.as_dvec3() + p.x * edge_u.as_dvec3() + p.y * edge_v.as_dvec3(),
             Self::Sphere { center, radius } => {
-                center.as_dvec3() + f64::from(radius) * octahedral::decode(hit.uv)
+                center.as_dvec3() + f64::from(radius) * octahedral::decode(uv)
             }
             Self::Disk {
                 center,
@@ -107,48 +103,30 @@ impl Shape {
                 radius,
             } => {
                 let [s, t] = disk_axes(normal);
-                let p = f64::from(radius) * (2.0 * uv - 1.0);
-                center.as_dvec3() + p.x * s + p.y * t
+                let q = f64::from(radius) * (2.0 * p - 1.0);
+                center.as_dvec3() + q.x * s + q.y * t
             }
         };
         position.as_vec3()
     }
 
-    /// The smallest box around it, up to rounding outwards; for an instance that around the box of
-    /// its mesh.
-    pub(crate) fn bounds(&self) -> Aabb {
-        match *self {
-            Self::Mesh(ref mesh) => mesh.bounds(),
+    /// The unit normal of the true geometry; zero for a triangle without area.
+    pub(crate) fn normal(&self, primitive: u32, uv: Vec2) -> Vec3 {
+        let normal = match *self {
+            Self::Mesh(ref mesh) => cross(mesh.corners(primitive)),
             Self::Instance {
                 ref mesh,
                 ref to_world,
-            } => instance::bounds(mesh.bounds(), to_world),
-            Self::Sphere { center, radius } => around(center, DVec3::splat(radius.into())),
-            Self::Quad {
-                corner,
-                edge_u,
-                edge_v,
-            } => Aabb::of_points(quad_corners(corner, edge_u, edge_v)),
-            Self::Disk {
-                center,
-                normal,
-                radius,
-            } => {
-                let n = normal.as_dvec3().normalize();
-                let sine = (DVec3::ONE - n * n).max(DVec3::ZERO).map(f64::sqrt);
-                around(center, f64::from(radius) * sine)
-            }
-        }
+            } => instance::of_normals(to_world) * cross(mesh.corners(primitive)),
+            Self::Sphere { .. } => octahedral::decode(uv),
+            Self::Quad { edge_u, edge_v, .. } => cross([Vec3::ZERO, edge_u, edge_v]),
+            Self::Disk { normal, .. } => normal.as_dvec3(),
+        };
+        normal.normalize_or_zero().as_vec3()
     }
 }
 
 impl Mesh {
-    /// The smallest box around its triangles.
-    pub(crate) fn bounds(&self) -> Aabb {
-        let used = self.triangles.iter().flatten();
-        Aabb::of_points(used.map(|&i| self.positions[i as usize]))
-    }
-
     /// The vertices of a triangle.
     pub(crate) fn corners(&self, triangle: u32) -> [Vec3; 3] {
         self.triangles[triangle as usize].map(|i| self.positions[i as usize])
@@ -183,12 +161,4 @@ pub(crate) fn cross([p0, p1, p2]: [Vec3; 3]) -> DVec3 {
 /// Axes of the plane of a disc.
 pub(crate) fn disk_axes(normal: Vec3) -> [DVec3; 2] {
     normal.as_dvec3().normalize().any_orthonormal_pair().into()
-}
-
-fn around(center: Vec3, half: DVec3) -> Aabb {
-    let center = center.as_dvec3();
-    Aabb {
-        min: (center - half).as_vec3().map(f32::next_down),
-        max: (center + half).as_vec3().map(f32::next_up),
-    }
 }

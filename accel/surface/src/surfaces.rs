@@ -1,14 +1,14 @@
 //! The geometry of a scene.
 
+use crate::bounds;
 use crate::embedded::Embedded;
 #[cfg(feature = "embree")]
 use crate::embree::Embree;
 use crate::error::SurfaceError;
 use crate::instance;
 use crate::meet::Line;
-use crate::octahedral;
-use crate::shape::{Shape, cross};
-use crate::validate::validate;
+use crate::shape::Shape;
+use crate::validate::{check_range, validate};
 use glam::{Vec2, Vec3};
 use tyndall_core::{Aabb, Ray, Surface};
 
@@ -24,17 +24,30 @@ pub enum Backend {
     Embree,
 }
 
-/// A point on a shape; [`Surfaces::surface`] tells where in space.
+/// A point on a shape, made by [`Surfaces::intersect`], [`Surfaces::sample`] or [`Surfaces::hit`].
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct ShapeHit {
     /// Index of the shape in the list given to [`Surfaces::build`].
     pub shape: u32,
-    /// The triangle of a mesh, 0 for any other shape.
+    /// The triangle of a mesh or an instance, 0 for any other shape.
     pub primitive: u32,
     /// Where on the primitive, in the unit square. Triangle: barycentric, the weights of p1 and
     /// p2. Quad: along `edge_u` and `edge_v`. Sphere: the octahedral map of the normal. Disc: its
     /// bounding square, in axes that depend on the normal.
     pub uv: Vec2,
+    /// Where in space.
+    pub position: Vec3,
+    /// Unit normal of the true geometry there; zero for a triangle without area.
+    pub geometric_normal: Vec3,
+}
+
+/// What a backend finds: the names of [`ShapeHit`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Met {
+    pub(crate) shape: u32,
+    pub(crate) primitive: u32,
+    pub(crate) uv: Vec2,
 }
 
 /// All shapes of a scene, ready for rays.
@@ -57,14 +70,14 @@ impl Surfaces {
     /// See [`SurfaceError`]; it names the shape and what to do.
     pub fn build(shapes: Vec<Shape>, backend: Backend) -> Result<Self, SurfaceError> {
         validate(&shapes)?;
+        let boxes = bounds::boxes(&shapes);
+        check_range(&shapes, &boxes)?;
         let engine = match backend {
-            Backend::Embedded => Engine::Embedded(Embedded::build(&shapes)),
+            Backend::Embedded => Engine::Embedded(Embedded::build(&shapes, &boxes)),
             #[cfg(feature = "embree")]
             Backend::Embree => Engine::Embree(Embree::build(&shapes)?),
         };
-        let bounds = shapes
-            .iter()
-            .fold(Aabb::EMPTY, |b, shape| b.union(shape.bounds()));
+        let bounds = boxes.into_iter().fold(Aabb::EMPTY, Aabb::union);
         Ok(Self {
             shapes,
             bounds,
@@ -72,7 +85,17 @@ impl Surfaces {
         })
     }
 
-    /// A box around all shapes; empty if there are none.
+    /// What finds the primitives.
+    pub(crate) fn backend(&self) -> Backend {
+        match self.engine {
+            Engine::Embedded(_) => Backend::Embedded,
+            #[cfg(feature = "embree")]
+            Engine::Embree(_) => Backend::Embree,
+        }
+    }
+
+    /// A box around all shapes; empty if there are none. An instance counts with the box around the
+    /// placed box of its mesh, which may be larger than itself.
     pub fn bounds(&self) -> Aabb {
         self.bounds
     }
@@ -80,15 +103,17 @@ impl Surfaces {
     /// The nearest point within the ray, and its distance.
     #[inline]
     pub fn intersect(&self, ray: &Ray) -> Option<(f32, ShapeHit)> {
-        if !self.is_far(ray) {
-            return self.intersect_nearby(ray);
-        }
-        let near = self.approach(ray)?;
-        let (t, hit) = self.intersect_nearby(&near)?;
-        let t = (near.at(t).as_dvec3() - ray.origin.as_dvec3()).length();
-        let shape = self.shape(hit.shape);
-        let (t, uv) = shape.meet(hit.primitive, &ray.into(), t);
-        Some(((t as f32).min(ray.t_max), ShapeHit { uv, ..hit }))
+        let (t, met) = if self.is_far(ray) {
+            let near = self.approach(ray)?;
+            let (t, met) = self.intersect_nearby(&near)?;
+            let t = (near.at(t).as_dvec3() - ray.origin.as_dvec3()).length();
+            let shape = self.shape(met.shape);
+            let (t, uv) = shape.meet(met.primitive, &ray.into(), t);
+            ((t as f32).min(ray.t_max), Met { uv, ..met })
+        } else {
+            self.intersect_nearby(ray)?
+        };
+        Some((t, self.hit(met.shape, met.primitive, met.uv)))
     }
 
     /// Whether a shape lies within the ray.
@@ -107,7 +132,7 @@ impl Surfaces {
     }
 
     #[inline]
-    fn intersect_nearby(&self, ray: &Ray) -> Option<(f32, ShapeHit)> {
+    fn intersect_nearby(&self, ray: &Ray) -> Option<(f32, Met)> {
         match &self.engine {
             Engine::Embedded(tree) => tree.intersect(&self.shapes, ray),
             #[cfg(feature = "embree")]
@@ -140,10 +165,29 @@ impl Surfaces {
         })
     }
 
+    /// The point of a primitive at coordinates `uv`, see [`ShapeHit::uv`].
+    ///
+    /// # Panics
+    /// If there is no such primitive.
+    pub fn hit(&self, shape: u32, primitive: u32, uv: Vec2) -> ShapeHit {
+        let of = self.shape(shape);
+        ShapeHit {
+            shape,
+            primitive,
+            uv,
+            position: of.position(primitive, uv),
+            geometric_normal: of.normal(primitive, uv),
+        }
+    }
+
     /// Position and normals of a hit. The shading normal is interpolated over a mesh that has
-    /// normals, and turned to the side of the geometric one.
+    /// normals, placed as the geometric one is ([`Shape::Instance`]), and turned to its side.
     pub fn surface(&self, hit: &ShapeHit) -> Surface {
-        let geometric_normal = self.normal(hit);
+        let ShapeHit {
+            position,
+            geometric_normal,
+            ..
+        } = *hit;
         let smooth = match self.shape(hit.shape) {
             Shape::Mesh(mesh) if !mesh.normals.is_empty() => mesh
                 .interpolate(&mesh.normals, hit.primitive, hit.uv)
@@ -158,7 +202,7 @@ impl Surfaces {
         };
         let side = 1_f32.copysign(smooth.dot(geometric_normal));
         Surface {
-            position: self.shape(hit.shape).position(hit),
+            position,
             geometric_normal,
             shading_normal: side * smooth,
         }
@@ -172,21 +216,6 @@ impl Surfaces {
             }
             _ => hit.uv,
         }
-    }
-
-    /// The unit normal of the true geometry; zero for a triangle without area.
-    pub(crate) fn normal(&self, hit: &ShapeHit) -> Vec3 {
-        let normal = match *self.shape(hit.shape) {
-            Shape::Mesh(ref mesh) => cross(mesh.corners(hit.primitive)),
-            Shape::Instance {
-                ref mesh,
-                ref to_world,
-            } => instance::of_normals(to_world) * cross(mesh.corners(hit.primitive)),
-            Shape::Sphere { .. } => octahedral::decode(hit.uv),
-            Shape::Quad { edge_u, edge_v, .. } => cross([Vec3::ZERO, edge_u, edge_v]),
-            Shape::Disk { normal, .. } => normal.as_dvec3(),
-        };
-        normal.normalize_or_zero().as_vec3()
     }
 
     /// A shape by its index.

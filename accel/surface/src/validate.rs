@@ -6,6 +6,7 @@ use crate::shape::{Mesh, Shape, cross};
 use glam::{DAffine3, DVec3, Vec3};
 use std::collections::HashSet;
 use std::sync::Arc;
+use tyndall_core::Aabb;
 
 /// Beyond it, products of coordinates leave the range of `f32`; Embree draws the same line.
 const LARGEST: f32 = 1e18;
@@ -116,6 +117,27 @@ fn check_transform(shape: usize, to_world: &DAffine3) -> Result<(), SurfaceError
             shape,
             determinant: to_world.matrix3.determinant(),
         });
+    }
+    Ok(())
+}
+
+/// Whether instances, and rays in the space of their meshes, stay within [`LARGEST`]. `boxes` are
+/// those around the shapes.
+pub(crate) fn check_range(shapes: &[Shape], boxes: &[Aabb]) -> Result<(), SurfaceError> {
+    let limit = f64::from(LARGEST);
+    for (shape, (what, bounds)) in shapes.iter().zip(boxes).enumerate() {
+        let Shape::Instance { to_world, .. } = what else {
+            continue;
+        };
+        if bounds.is_empty() {
+            continue;
+        }
+        let size = bounds.size().as_dvec3().length();
+        let farthest = bounds.min.abs().max(bounds.max.abs()).as_dvec3();
+        let rays = to_world.inverse().matrix3.abs() * DVec3::splat(3.0 * size);
+        if farthest.max(rays).max_element() > limit {
+            return Err(SurfaceError::Range { shape });
+        }
     }
     Ok(())
 }

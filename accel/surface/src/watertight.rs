@@ -4,10 +4,13 @@ use glam::Vec3;
 use tyndall_core::Ray;
 
 /// A ray prepared for the test of Woop, Benthin & Wald (2013), "Watertight Ray/Triangle
-/// Intersection": a permutation and a shear that turn its direction into +z.
+/// Intersection": a rotation of the axes and a shear that turn its direction into +z. Where it turns
+/// into −z first, triangles are seen mirrored, which the test does not mind.
 pub(crate) struct Shear {
-    origin: [f32; 3],
-    axes: [usize; 3],
+    origin: Vec3,
+    /// The axis that becomes z, along which the direction is longest; the two after it become x and
+    /// y.
+    axis: usize,
     shear: [f32; 3],
 }
 
@@ -15,21 +18,18 @@ impl Shear {
     pub(crate) fn new(ray: &Ray) -> Self {
         let d = ray.direction.to_array();
         let size = ray.direction.abs();
-        let z = if size.x > size.y && size.x > size.z {
+        let axis = if size.x > size.y && size.x > size.z {
             0
         } else if size.y > size.z {
             1
         } else {
             2
         };
-        let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);
-        if d[z] < 0.0 {
-            (x, y) = (y, x); // keeps the winding
-        }
+        let [x, y, z] = turn(d, axis);
         Self {
-            origin: ray.origin.to_array(),
-            axes: [x, y, z],
-            shear: [d[x] / d[z], d[y] / d[z], 1.0 / d[z]],
+            origin: ray.origin,
+            axis,
+            shear: [x / z, y / z, 1.0 / z],
         }
     }
 
@@ -41,7 +41,12 @@ impl Shear {
     /// they are for the distance of a hit, as few digits of their difference may be left.
     #[inline]
     pub(crate) fn meet(&self, triangle: &[Vec3; 3], t_max: f32) -> Option<f32> {
-        let [a, b, c] = triangle.map(|p| self.apply(p));
+        let corners = triangle.map(|p| (p - self.origin).to_array());
+        let [a, b, c] = match self.axis {
+            0 => corners.map(|p| self.apply(turn(p, 0))),
+            1 => corners.map(|p| self.apply(turn(p, 1))),
+            _ => corners.map(|p| self.apply(p)),
+        };
         let edges = [edge(c, b), edge(a, c), edge(b, a)];
         if !edges.contains(&0.0) && !same_sign(edges) {
             return None;
@@ -57,11 +62,18 @@ impl Shear {
         (0.0 < t && t <= t_max).then_some(t)
     }
 
-    fn apply(&self, p: Vec3) -> [f32; 3] {
-        let p = p.to_array();
-        let [x, y, z] = self.axes.map(|axis| p[axis] - self.origin[axis]);
+    fn apply(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
         let [sx, sy, sz] = self.shear;
         [x - sx * z, y - sy * z, sz * z]
+    }
+}
+
+/// Turns the axes so that `z` comes last.
+fn turn([a, b, c]: [f32; 3], z: usize) -> [f32; 3] {
+    match z {
+        0 => [b, c, a],
+        1 => [c, a, b],
+        _ => [a, b, c],
     }
 }
 

@@ -1,6 +1,6 @@
 //! When to stop.
 
-use crate::Film;
+use crate::{Film, RenderError};
 use std::time::Duration;
 use tyndall_core::Spectrum;
 
@@ -19,6 +19,19 @@ pub enum Budget {
 impl Budget {
     /// With fewer passes an estimate of the error is itself too uncertain to stop on.
     pub const FEWEST_FOR_ERROR: u64 = 16;
+
+    /// Whether there is anything to spend.
+    pub(crate) fn check(self) -> Result<(), RenderError> {
+        let empty = match self {
+            Self::Passes(passes) => passes == 0,
+            Self::Time(time) => time.is_zero(),
+            Self::RelativeError(error) => error.is_nan() || error <= 0.0,
+        };
+        match empty {
+            true => Err(RenderError::EmptyBudget),
+            false => Ok(()),
+        }
+    }
 
     /// How much of the budget is spent, from 0 to 1 and beyond. The error falls with the square
     /// root of the passes, which makes its square linear in them.

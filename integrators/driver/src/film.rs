@@ -1,12 +1,15 @@
 //! What the passes of a render add up to.
 
+use serde::{Deserialize, Serialize};
 use std::marker::PhantomData;
 use tyndall_core::{Spectrum, Splat, Tile};
 
 /// The mean of the passes and its variance, per pixel and channel, in `f64`.
 ///
-/// A pass counts as one sample, whatever is correlated within it.
-#[derive(Clone, Debug, PartialEq)]
+/// A pass counts as one sample, whatever is correlated within it. What is serialised is exact:
+/// passes added afterwards give the bits that they would have given before.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(bound = "S: Spectrum", try_from = "Unchecked")]
 pub struct Film<S> {
     resolution: [u32; 2],
     passes: u64,
@@ -15,7 +18,56 @@ pub struct Film<S> {
     /// Sum of squared deviations from the mean (Welford 1962).
     deviations: Vec<f64>,
     non_finite: u64,
+    #[serde(skip)]
     channels: PhantomData<S>,
+}
+
+/// The values of a [`Film`] as they are read.
+#[derive(Deserialize)]
+struct Unchecked {
+    resolution: [u32; 2],
+    passes: u64,
+    mean: Vec<f64>,
+    deviations: Vec<f64>,
+    non_finite: u64,
+}
+
+impl<S: Spectrum> TryFrom<Unchecked> for Film<S> {
+    type Error = &'static str;
+
+    fn try_from(film: Unchecked) -> Result<Self, Self::Error> {
+        let [width, height] = film.resolution.map(u128::from);
+        let values = width * height * S::CHANNELS as u128;
+        if [&film.mean, &film.deviations].map(|v| v.len() as u128) != [values; 2] {
+            return Err("the film's values do not fill its pixels and channels");
+        }
+        let all = film.mean.iter().chain(&film.deviations);
+        if !all.copied().all(f64::is_finite) || film.deviations.iter().any(|d| *d < 0.0) {
+            return Err("the film holds values that no render has");
+        }
+        Ok(Self {
+            resolution: film.resolution,
+            passes: film.passes,
+            mean: film.mean,
+            deviations: film.deviations,
+            non_finite: film.non_finite,
+            channels: PhantomData,
+        })
+    }
+}
+
+/// Films that do not show the same pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("a film of {}×{} pixels does not go with one of {}×{}", .0[0], .0[1], .1[0], .1[1])]
+pub struct DifferentResolution([u32; 2], [u32; 2]);
+
+impl DifferentResolution {
+    pub(crate) fn check(ours: [u32; 2], theirs: [u32; 2]) -> Result<(), Self> {
+        match ours == theirs {
+            true => Ok(()),
+            false => Err(Self(ours, theirs)),
+        }
+    }
 }
 
 impl<S: Spectrum> Film<S> {
@@ -29,6 +81,34 @@ impl<S: Spectrum> Film<S> {
             deviations: vec![0.0; values],
             non_finite: 0,
             channels: PhantomData,
+        }
+    }
+
+    /// The film that has this mean and [`Film::variance_of_mean`] after `passes`, row by row,
+    /// `CHANNELS` values a pixel: an image read back from a file. The variance after a single pass
+    /// is not looked at.
+    ///
+    /// # Panics
+    /// If the numbers of values are not those of the resolution.
+    pub fn from_image(
+        resolution: [u32; 2],
+        passes: u64,
+        mean: Vec<f64>,
+        variance_of_mean: &[f64],
+    ) -> Self {
+        let film = Self::new(resolution);
+        assert_eq!(mean.len(), film.mean.len(), "values of the mean");
+        assert_eq!(variance_of_mean.len(), mean.len(), "values of the variance");
+        let n = passes as f64;
+        let deviation = |v: &f64| match passes {
+            0 | 1 => 0.0,
+            _ => v * n * (n - 1.0),
+        };
+        Self {
+            passes,
+            mean,
+            deviations: variance_of_mean.iter().map(deviation).collect(),
+            ..film
         }
     }
 
@@ -104,6 +184,32 @@ impl<S: Spectrum> Film<S> {
             }
         }
         sums
+    }
+
+    /// Adds the passes of another render of the same picture: other passes of the same seed, or any
+    /// of another seed. The mean is weighted by passes; the squared deviations are
+    /// M₂ + M₂′ + δ²·n·n′/(n + n′), δ being the difference of the means (Chan, Golub & LeVeque
+    /// 1979, eq. 2.1). Equal to one render of all passes but for rounding.
+    ///
+    /// # Errors
+    /// [`DifferentResolution`].
+    pub fn merge(&mut self, other: &Self) -> Result<(), DifferentResolution> {
+        DifferentResolution::check(self.resolution, other.resolution)?;
+        let passes = self.passes + other.passes;
+        let share = match passes {
+            0 => 0.0,
+            _ => other.passes as f64 / passes as f64,
+        };
+        let theirs = other.mean.iter().zip(&other.deviations);
+        let ours = self.mean.iter_mut().zip(&mut self.deviations);
+        for ((mean, deviations), (their_mean, their_deviations)) in ours.zip(theirs) {
+            let delta = their_mean - *mean;
+            *mean += delta * share;
+            *deviations += their_deviations + delta * delta * share * self.passes as f64;
+        }
+        self.passes = passes;
+        self.non_finite += other.non_finite;
+        Ok(())
     }
 
     fn pixel(&self, [x, y]: [u32; 2]) -> usize {

@@ -15,9 +15,11 @@
 mod budget;
 mod film;
 mod render;
+mod snapshot;
 mod streams;
 
 pub use budget::Budget;
-pub use film::Film;
+pub use film::{DifferentResolution, Film};
 pub use render::{Progress, Render, RenderError};
+pub use snapshot::Snapshot;
 pub use streams::{Generator, PassStreams};

@@ -16,8 +16,8 @@ pub(crate) struct Line<'h, H: HostTypes> {
     medium: &'h H::Medium,
     id: MediumId,
     ray: Ray,
-    /// What the walk carries into the segment, for the density of its free flight.
-    importance: H::Spectrum,
+    /// What the walk carries into the segment.
+    carried: H::Spectrum,
     /// Names the light point.
     u: [f32; 4],
     /// `None` for light from infinity, which free flight finds alone.
@@ -29,7 +29,7 @@ impl<'h, H: LightDirect> Line<'h, H> {
         host: &H,
         medium: &'h H::Medium,
         segment: &Segment<H>,
-        importance: H::Spectrum,
+        carried: H::Spectrum,
         sampler: &mut impl Sampler,
     ) -> Self {
         let u = sampler.next();
@@ -37,11 +37,27 @@ impl<'h, H: LightDirect> Line<'h, H> {
             medium,
             id: segment.medium,
             ray: segment.ray,
-            importance,
+            carried,
             u,
             equiangular: host
                 .pivot(&segment.ray, u)
                 .map(|p| Equiangular::new(&segment.ray, p)),
+        }
+    }
+
+    /// The probability with which to gather at the equiangular distance `t` rather than at the
+    /// collision: by the contributions to be expected, if σs·Tr is as the density of free flight
+    /// and 1/d² as the other. Phase function and shadows are not known yet, which the limits allow
+    /// for.
+    fn preference(&self, t: f32, collision: f32) -> f32 {
+        let [(free_flight, pdf_t), (flown, other)] = [t, collision].map(|t| self.pdfs_t(t));
+        let here = power_heuristic(pdf_t, free_flight) * free_flight;
+        let there = power_heuristic(flown, other) * other;
+        let share = here / (here + there);
+        if share.is_finite() {
+            share.clamp(0.1, 0.9)
+        } else {
+            0.5
         }
     }
 
@@ -50,7 +66,7 @@ impl<'h, H: LightDirect> Line<'h, H> {
         match &self.equiangular {
             None => (1.0, 0.0),
             Some(e) => (
-                self.medium.pdf_free_flight(&self.ray, t, self.importance),
+                self.medium.pdf_free_flight(&self.ray, t, self.carried),
                 e.pdf_t(t),
             ),
         }
@@ -75,119 +91,104 @@ where
         }
     }
 
-    /// Light that a surface sends along `wo` to `last`, from where the walk found it with density
-    /// `pdf_w`; `None` if no light sample could have found it.
-    pub(crate) fn emitted(
+    /// Light from what ends the segment, towards its start; the walk turned into it at `last`,
+    /// with density `pdf_w`, or `None` if no light sample could have found it.
+    pub(crate) fn ahead(
         &self,
         last: Vec3,
-        hit: H::Hit,
-        wo: Vec3,
+        segment: &Segment<H>,
         pdf_w: Option<f32>,
     ) -> H::Spectrum {
-        self.found(
-            last,
-            self.host.emitted(&hit, wo),
-            Anchor::Surface(hit),
-            pdf_w,
-        )
+        let direction = segment.ray.direction;
+        let light = match &segment.hit {
+            Some(hit) => self.host.emitted(hit, -direction),
+            None => self.host.background(direction),
+        };
+        let Some(pdf_w) = pdf_w.filter(|_| !light.is_black()) else {
+            return light;
+        };
+        let source = match &segment.hit {
+            Some(hit) => Anchor::Surface(hit.clone()),
+            None => Anchor::Direction(direction),
+        };
+        light * power_heuristic(pdf_w, D::direct_pdf_w(self.host, last, &source))
     }
 
-    /// Light from infinity, found likewise.
-    pub(crate) fn background(
+    /// Light that the medium scatters towards the start of the line, after a flight along it;
+    /// `collision` is where that met the medium, and what it carried there.
+    ///
+    /// Two points are there to gather at, each at the cost of a connection: the equiangular one
+    /// and the collision. Where both are, one is chosen by what it promises: the noise that this
+    /// adds is cheaper than a second connection.
+    pub(crate) fn scattered(
         &self,
-        last: Vec3,
-        direction: Vec3,
-        pdf_w: Option<f32>,
+        line: &Line<'h, H>,
+        collision: Option<(&Vertex<H>, H::Spectrum)>,
+        sampler: &mut impl Sampler,
     ) -> H::Spectrum {
-        let light = self.host.background(direction);
-        self.found(last, light, Anchor::Direction(direction), pdf_w)
-    }
-
-    fn found(
-        &self,
-        last: Vec3,
-        light: H::Spectrum,
-        source: Anchor<H::Hit>,
-        pdf_w: Option<f32>,
-    ) -> H::Spectrum {
-        match pdf_w {
-            Some(pdf_w) if !light.is_black() => {
-                light * power_heuristic(pdf_w, D::direct_pdf_w(self.host, last, &source))
+        let t = (line.equiangular.as_ref()).map(|e| e.sample(sampler.next_1d()));
+        match (t, collision) {
+            (None, None) => H::Spectrum::default(),
+            (Some(t), None) => self.along(line, t, sampler),
+            (None, Some((vertex, carried))) => carried * self.at_collision(line, vertex, sampler),
+            (Some(t), Some((vertex, carried))) => {
+                let pmf = line.preference(t, vertex.t);
+                if sampler.next_1d() < pmf {
+                    self.along(line, t, sampler) / pmf
+                } else {
+                    carried * self.at_collision(line, vertex, sampler) / (1.0 - pmf)
+                }
             }
-            _ => light,
         }
     }
 
-    /// Light scattered towards the start of the line at an equiangular distance.
-    pub(crate) fn along(&self, line: &Line<'h, H>, sampler: &mut impl Sampler) -> H::Spectrum {
-        let Some(equiangular) = &line.equiangular else {
-            return H::Spectrum::default();
-        };
-        let t = equiangular.sample(sampler.next_1d());
+    /// Light scattered at the equiangular distance `t`.
+    fn along(&self, line: &Line<'h, H>, t: f32, sampler: &mut impl Sampler) -> H::Spectrum {
         let position = line.ray.at(t);
         let sigma_s = line.medium.coefficients(position).sigma_s;
         let (free_flight, pdf_t) = line.pdfs_t(t);
         if sigma_s.is_black() || pdf_t <= 0.0 {
             return H::Spectrum::default();
         }
-        let light = self.in_medium(
-            line.medium,
-            line.id,
-            position,
-            -line.ray.direction,
-            line.u,
-            sampler,
-        );
+        let light = self.in_medium(line, position, sampler);
         if light.is_black() {
             return light;
         }
         let arriving = line.medium.transmittance(&line.ray.up_to(t), sampler);
-        light * sigma_s * arriving * (power_heuristic(pdf_t, free_flight) / pdf_t)
+        let weight = power_heuristic(pdf_t, free_flight) / pdf_t;
+        line.carried * light * sigma_s * arriving * weight
     }
 
-    /// Light scattered back at a vertex, per unit of throughput arriving there.
-    pub(crate) fn at(
+    /// Light scattered where the flight collided, per unit of throughput arriving there.
+    fn at_collision(
         &self,
+        line: &Line<'h, H>,
         vertex: &Vertex<H>,
-        line: Option<&Line<'h, H>>,
         sampler: &mut impl Sampler,
     ) -> H::Spectrum {
-        match (&vertex.site, line) {
-            (Site::Surface(hit), _) => self.at_surface(vertex, hit, sampler),
-            (Site::Collision(coefficients), Some(line)) => {
-                let (free_flight, equiangular) = line.pdfs_t(vertex.t);
-                let weight = power_heuristic(free_flight, equiangular);
-                if weight == 0.0 {
-                    return H::Spectrum::default();
-                }
-                let light = self.in_medium(
-                    line.medium,
-                    line.id,
-                    vertex.position,
-                    vertex.wo,
-                    line.u,
-                    sampler,
-                );
-                coefficients.albedo() * light * weight
-            }
-            (Site::Collision(_), None) => unreachable!("light collides only where it was gathered"),
+        let (free_flight, equiangular) = line.pdfs_t(vertex.t);
+        let weight = power_heuristic(free_flight, equiangular);
+        let Site::Collision(coefficients) = &vertex.site else {
+            return H::Spectrum::default();
+        };
+        if weight == 0.0 {
+            return H::Spectrum::default();
         }
+        coefficients.albedo() * self.in_medium(line, vertex.position, sampler) * weight
     }
 
     /// Phase function times arriving light, weighted against scattering.
     fn in_medium(
         &self,
-        medium: &H::Medium,
-        id: MediumId,
+        line: &Line<'h, H>,
         position: Vec3,
-        wo: Vec3,
-        u: [f32; 4],
         sampler: &mut impl Sampler,
     ) -> H::Spectrum {
-        let Some(direct) = self.host.sample_direct(position, u) else {
+        let Some(direct) = self.host.sample_direct(position, line.u) else {
             return H::Spectrum::default();
         };
-        let phase = medium.phase(position);
+        let wo = -line.ray.direction;
+        let phase = line.medium.phase(position);
         let value = phase.eval(wo, direct.wi);
         if value <= 0.0 {
             return H::Spectrum::default();
@@ -196,12 +197,14 @@ where
             0.0 => 1.0,
             pdf_w => power_heuristic(pdf_w, phase.pdf_w(wo, direct.wi)),
         };
-        let visible = Connection::new(self.host, &Anchor::Point(position), &direct.target, id)
+        let here = Anchor::Point(position);
+        let visible = Connection::new(self.host, &here, &direct.target, line.id)
             .transmittance(self.host, sampler);
         direct.weight * visible * (value * weight)
     }
 
-    fn at_surface(
+    /// Light that a surface scatters back, per unit of throughput arriving there.
+    pub(crate) fn at_surface(
         &self,
         vertex: &Vertex<H>,
         hit: &H::Hit,

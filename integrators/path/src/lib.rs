@@ -1,9 +1,10 @@
 //! Volumetric path tracing: the unbiased arbiter of all other methods.
 //!
-//! Walks start at the sensor. At every vertex light is sampled directly; along every segment in a
-//! medium it is gathered at two points, one sampled by free flight, one by the inverse squared
-//! distance to a light; emission that a walk runs into counts as well. Multiple importance sampling
-//! with the power heuristic (Veach 1997, §9.2) weights what more than one technique can find.
+//! Walks start at the sensor. At every surface light is sampled directly; along every segment in a
+//! medium it is gathered at a point sampled by free flight or at one sampled by the inverse squared
+//! distance to a light; what glows at the end of a segment counts as well, attenuated. Multiple
+//! importance sampling with the power heuristic (Veach 1997, §9.2) weights what more than one
+//! technique can find.
 //!
 //! # Needs of the host
 //! [`Geometry`], [`Shading`], [`Media`], [`LightDirect`], and a [`Sensor`](tyndall_core::Sensor) to
@@ -21,7 +22,7 @@
 //! and are black); long forward-peaked multiple scattering converges slowly.
 //!
 //! # Cost
-//! One ray a segment, two connections a segment in media, one connection a surface. Linear in
+//! One ray a segment, one connection a segment in media, one connection a surface. Linear in
 //! samples; error falls with their square root.
 //!
 //! # References
@@ -161,36 +162,41 @@ where
             if let Some(medium) = medium {
                 radiance += carried * medium.emitted(&segment.ray, sampler);
             }
+            // Light from the end of the segment is attenuated rather than found by those flights
+            // that get there.
+            let ahead = gather.ahead(last, &segment, pdf_w);
+            if !ahead.is_black() {
+                let arriving = medium.map(|medium| medium.transmittance(&segment.ray, sampler));
+                radiance += carried * ahead * arriving.unwrap_or(H::Spectrum::splat(1.0));
+            }
             let collides = self.may_collide(walk.depth, walk.collisions);
             let line = medium
                 .filter(|_| collides)
                 .map(|medium| Line::new(host, medium, &segment, carried, sampler));
-            if let Some(line) = &line {
-                radiance += carried * gather.along(line, sampler);
-            }
-            let wo = -segment.ray.direction;
             let event = if collides {
                 walk.fly(segment, sampler)
             } else {
                 walk.transmit(segment, sampler)
             };
-            match event {
-                Event::Interface(hit) => {
-                    radiance += walk.throughput * gather.emitted(last, hit, wo, pdf_w);
-                }
-                Event::Escape(direction) => {
-                    radiance += walk.throughput * gather.background(last, direction, pdf_w);
-                    break;
-                }
-                Event::Scattering(vertex) => {
-                    if let Site::Surface(hit) = &vertex.site {
-                        let light = gather.emitted(last, hit.clone(), wo, pdf_w);
-                        radiance += walk.throughput * light;
+            if let Some(line) = &line {
+                let collision = match &event {
+                    Event::Scattering(vertex) if vertex.is_collision() => {
+                        Some((vertex, walk.throughput))
                     }
+                    _ => None,
+                };
+                radiance += gather.scattered(line, collision, sampler);
+            }
+            match event {
+                Event::Interface(_) => {}
+                Event::Escape(_) => break,
+                Event::Scattering(vertex) => {
                     if !self.may_scatter(walk.depth) {
                         break;
                     }
-                    radiance += walk.throughput * gather.at(&vertex, line.as_ref(), sampler);
+                    if let Site::Surface(hit) = &vertex.site {
+                        radiance += walk.throughput * gather.at_surface(&vertex, hit, sampler);
+                    }
                     last = vertex.position;
                     match walk.scatter(vertex, sampler) {
                         Some(scattered) => pdf_w = scattered.pdf_w,

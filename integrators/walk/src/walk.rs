@@ -73,6 +73,11 @@ pub enum Site<H: HostTypes> {
 }
 
 impl<H: HostTypes> Vertex<H> {
+    /// Whether it is in a medium.
+    pub fn is_collision(&self) -> bool {
+        matches!(self.site, Site::Collision(_))
+    }
+
     /// The vertex as an end of connections.
     pub fn anchor(&self) -> Anchor<H::Hit> {
         match &self.site {

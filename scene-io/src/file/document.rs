@@ -97,6 +97,7 @@ impl Node {
 /// A text, and what its lines and columns are counted by.
 struct Source {
     path: Arc<str>,
+    text: Arc<str>,
     /// Where lines start.
     lines: Vec<usize>,
     /// Bytes that start no character.
@@ -108,6 +109,7 @@ impl Source {
         let ends = text.match_indices('\n').map(|(i, _)| i + 1);
         Self {
             path: path.into(),
+            text: text.into(),
             lines: [0].into_iter().chain(ends).collect(),
             continuations: (0..text.len())
                 .filter(|&i| !text.is_char_boundary(i))
@@ -124,6 +126,8 @@ impl Source {
             path: self.path.clone(),
             line,
             column: at - start - (inner(at) - inner(start)) + 1,
+            text: self.text.clone(),
+            span: span.clone(),
         }
     }
 

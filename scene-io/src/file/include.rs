@@ -3,7 +3,7 @@
 use super::document::{Node, Value};
 use super::reader::{Field, Table};
 use super::shape::{self, transform};
-use crate::gltf::{self, Lamp, Loaded, Options, SceneChoice, View};
+use crate::gltf::{self, Lamp, Loaded, Options, Projection, SceneChoice, View};
 use crate::media::MediumDescription;
 use crate::{Error, Place};
 use std::collections::BTreeMap;
@@ -17,19 +17,11 @@ pub(super) struct Included {
     direct: bool,
 }
 
-/// A scene file that has nothing in it but a glTF file.
-pub(super) fn scene_of(path: &Path) -> Node {
-    let place = Place::File {
-        path: path.display().to_string().into(),
-        line: 1,
-        column: 1,
-    };
-    let node = |value| written(value, &place);
-    let name = path.file_name().unwrap_or_default();
-    let file = node(Value::String(name.to_string_lossy().into_owned()));
-    let include = node(Value::Table([("file".to_owned(), file)].into()));
-    let includes = node(Value::Array(vec![include]));
-    node(Value::Table([("include".to_owned(), includes)].into()))
+/// The text of a scene file that has nothing in it but a glTF file.
+pub(super) fn scene_of(path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let name = toml::Value::String(name.into_owned());
+    format!("include = [{{ file = {name} }}]")
 }
 
 /// Whether a file of this name is glTF.
@@ -213,12 +205,17 @@ fn complete(scene: &mut BTreeMap<String, Node>, view: &View, place: &Place) {
         add(camera, "position", vector(view.position));
         add(camera, "look_at", vector(view.position + view.forward));
         add(camera, "up", vector(view.up));
-        let half = (0.5 * view.yfov).tan() * width / height;
-        add(
-            camera,
-            "fov",
-            Value::Float((2.0 * half.atan()).to_degrees()),
-        );
+        let keys = ["fov", "vertical_fov", "width", "height"];
+        match view.projection {
+            _ if keys.iter().any(|&key| camera.contains_key(key)) => {}
+            Projection::Perspective { yfov } => {
+                add(camera, "vertical_fov", Value::Float(yfov.to_degrees()));
+            }
+            Projection::Orthographic { height } => {
+                add(camera, "kind", Value::String("orthographic".into()));
+                add(camera, "height", Value::Float(height));
+            }
+        }
     }
     scene.insert("camera".into(), camera);
     scene.insert("film".into(), film);

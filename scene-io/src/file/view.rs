@@ -1,8 +1,9 @@
-//! `[camera]`, `[film]` and `[integrator]`.
+//! `[camera]` and `[integrator]`.
 
+use super::film;
 use super::material::{MediumName, medium_name};
 use super::reader::{Field, Table};
-use crate::camera::{Camera, Lens};
+use crate::camera::{Across, Camera, Lens, Pose};
 use crate::{Error, Place};
 use glam::DVec3;
 
@@ -34,43 +35,59 @@ pub enum Scattering {
 /// The camera, and the medium it names.
 pub(super) type View = (Camera, Option<(MediumName, Place)>);
 
-/// Reads camera and film; `origin` is the point that becomes 0.
+/// Reads the camera, over the film that `[film]` describes; `origin` is the point that becomes 0.
 pub(super) fn read(
     camera: &Field<'_>,
     film: &Field<'_>,
     media: &[&str],
     origin: DVec3,
 ) -> Result<View, Error> {
-    let resolution = resolution(film)?;
+    let film = film::read(film)?;
     let table = camera.table()?;
     let kind = table.optional("kind");
-    let kind = kind.map(|f| f.one_of(&["pinhole", "thin_lens"]));
-    let lens = match kind.transpose()? {
-        Some("thin_lens") => Some(Lens {
-            radius: table.required("lens_radius")?.positive()?,
-            focus_distance: table.required("focus_distance")?.positive()?,
-        }),
-        _ => None,
-    };
+    let kind = kind.map(|f| f.one_of(&["pinhole", "thin_lens", "orthographic"]));
+    let kind = kind.transpose()?.unwrap_or("pinhole");
     let position = table.required("position")?.vector()?;
     let (forward, up) = axes(&table, position)?;
-    let fov = table.required("fov")?;
-    let range = "an angle between 0 and 180 degrees";
-    let fov = fov.number_that(|x| x as f32 > 0.0 && (x as f32) < 180.0, range)?;
+    let pose = Pose::new(
+        (position - origin).as_vec3(),
+        forward.as_vec3(),
+        up.as_vec3(),
+    );
+    let camera = if kind == "orthographic" {
+        let (size, is_height) = table.either("width", "height")?;
+        Camera::orthographic(pose, across(size.positive()?, is_height), film)
+    } else {
+        let lens = match kind {
+            "thin_lens" => Some(lens(&table)?),
+            _ => None,
+        };
+        let (fov, is_height) = table.either("fov", "vertical_fov")?;
+        let range = "an angle between 0 and 180 degrees";
+        let angle = fov.number_that(|x| x as f32 > 0.0 && (x as f32) < 180.0, range)?;
+        Camera::perspective(pose, across(angle.to_radians(), is_height), lens, film)
+    };
     let medium = match table.optional("medium") {
         Some(field) => Some((medium_name(&field, media)?, field.place())),
         None => None,
     };
     table.finish()?;
-    let camera = Camera::new(
-        (position - origin).as_vec3(),
-        forward.as_vec3(),
-        up.as_vec3(),
-        fov.to_radians(),
-        resolution,
-        lens,
-    );
     Ok((camera, medium))
+}
+
+fn across(size: f32, is_height: bool) -> Across {
+    if is_height {
+        Across::Height(size)
+    } else {
+        Across::Width(size)
+    }
+}
+
+fn lens(table: &Table<'_>) -> Result<Lens, Error> {
+    Ok(Lens {
+        radius: table.required("lens_radius")?.positive()?,
+        focus_distance: table.required("focus_distance")?.positive()?,
+    })
 }
 
 /// Where the camera looks, and up.
@@ -91,22 +108,6 @@ fn axes(table: &Table<'_>, position: DVec3) -> Result<(DVec3, DVec3), Error> {
         return Err(field.error("must not be parallel to the view: choose another direction"));
     }
     Ok((forward, up))
-}
-
-/// Pixels of a picture at most.
-const MAX_PIXELS: u64 = 1 << 28;
-
-fn resolution(film: &Field<'_>) -> Result<[u32; 2], Error> {
-    let table = film.table()?;
-    let side = |key| Ok::<_, Error>(table.required(key)?.integer(1, 65536)? as u32);
-    let resolution = [side("width")?, side("height")?];
-    table.finish()?;
-    if u64::from(resolution[0]) * u64::from(resolution[1]) > MAX_PIXELS {
-        return Err(film.error(format!(
-            "has more than {MAX_PIXELS} pixels: lower `width` or `height`"
-        )));
-    }
-    Ok(resolution)
 }
 
 /// Reads the integrator.

@@ -77,7 +77,7 @@ impl<'a> Reader<'a> {
         if reader.count == 0 {
             return Err(reader.fault("has no values: leave it out".into()));
         }
-        reader.base()?;
+        reader.base().map(drop)?;
         let bytes = accessor
             .count
             .0

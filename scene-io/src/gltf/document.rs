@@ -73,7 +73,7 @@ impl Document {
         })?;
         let (json, bin) = container::split(path, &bytes)?;
         check_head(path, json, drafts, notices)?;
-        let root = parse(path, json)?;
+        let root: Root = deserialize(path, json)?;
         check_positions(path, &root)?;
         validate(path, &root)?;
         let buffers = buffers(path, &root, bin)?;
@@ -188,15 +188,15 @@ fn check_head(
     Ok(())
 }
 
-fn parse(path: &Path, json: &[u8]) -> Result<Root, Error> {
-    deserialize(path, json)
-}
-
 /// Reads JSON; a fault is named with its place in the tree, and its line.
 fn deserialize<'a, T: Deserialize<'a>>(path: &Path, json: &'a [u8]) -> Result<T, Error> {
     let mut reader = serde_json::Deserializer::from_slice(json);
     let fault = |field: String, e: serde_json::Error| {
-        let field = if field == "." { "glTF".into() } else { field };
+        // Where nothing was read yet, there is no place in the tree.
+        let field = match field.as_str() {
+            "." | "?" => "glTF".into(),
+            _ => field,
+        };
         error(path, field, format!("{e}: export again, or mend the JSON"))
     };
     let value = serde_path_to_error::deserialize(&mut reader)
@@ -224,6 +224,16 @@ fn check_positions(path: &Path, root: &Root) -> Result<(), Error> {
     Ok(())
 }
 
+/// What the crate calls extensions, and what they are called in files.
+const NAMES: [(&str, &str); 3] = [
+    (".khrLightsPunctual", ".KHR_lights_punctual"),
+    (
+        ".extensions.transmission",
+        ".extensions.KHR_materials_transmission",
+    ),
+    (".extensions.volume", ".extensions.KHR_materials_volume"),
+];
+
 fn validate(path: &Path, root: &Root) -> Result<(), Error> {
     let mut faults = Vec::new();
     root.validate(root, JsonPath::new, &mut |at, fault| {
@@ -244,7 +254,10 @@ fn validate(path: &Path, root: &Root) -> Result<(), Error> {
                 Fault::Oversize => "is larger than memory can be",
                 _ => "has a value that glTF 2.0 does not know",
             };
-            let field = at.replace("[\"", ".").replace("\"]", "");
+            let mut field = at.replace("[\"", ".").replace("\"]", "");
+            for (found, name) in NAMES {
+                field = field.replace(found, name);
+            }
             Err(error(path, field, format!("{why}: export again")))
         }
     }

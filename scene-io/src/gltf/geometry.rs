@@ -57,60 +57,86 @@ pub(super) fn key(
     }))
 }
 
-/// Reads the triangles of a primitive, in its own coordinates, without vertices that none of them
-/// uses. Normals and texture coordinates that are no numbers become zero, and are counted in
-/// `faults`.
-pub(super) fn read(
-    document: &Document,
-    key: &Key,
-    uv_set: u32,
-    field: &str,
-    faults: &mut usize,
-) -> Result<Mesh, Error> {
-    let named = |name: &str| format!("{field}.attributes.{name}");
-    let position = named("POSITION");
-    let positions = accessor::read::<3>(document, key.positions, &position)?;
-    let positions: Vec<_> = positions.into_iter().map(Vec3::from).collect();
-    if let Some(bad) = positions.iter().position(|p| !p.is_finite()) {
-        let why = format!(
-            "vertex {bad} is {}: mend the mesh and export again",
-            positions[bad]
-        );
-        return Err(document.error(position, why));
+/// Reads primitives. Vertices are kept until others are asked for: the primitives of a mesh often
+/// share theirs.
+pub(super) struct Reader<'a> {
+    document: &'a Document,
+    last: Option<([Option<Index<Accessor>>; 3], Mesh)>,
+    /// Normals and texture coordinates that are no numbers; they become zero.
+    pub(super) faults: usize,
+}
+
+impl<'a> Reader<'a> {
+    pub(super) fn of(document: &'a Document) -> Self {
+        Self {
+            document,
+            last: None,
+            faults: 0,
+        }
     }
-    let mut number = |finite: bool| {
-        *faults += usize::from(!finite);
-        finite
-    };
-    let mut normals = Vec::new();
-    if let Some(index) = key.normals {
-        let name = named("NORMAL");
-        same_count(document, index, positions.len(), &name)?;
-        let values = accessor::read::<3>(document, index, &name)?;
-        let finite = |n: Vec3| if number(n.is_finite()) { n } else { Vec3::ZERO };
-        normals = values.into_iter().map(Vec3::from).map(finite).collect();
-    }
-    let mut uvs = Vec::new();
-    if let Some(index) = key.uvs {
-        let name = named(&format!("TEXCOORD_{uv_set}"));
-        same_count(document, index, positions.len(), &name)?;
-        let values = accessor::read::<2>(document, index, &name)?;
-        let finite = |uv: Vec2| {
-            if number(uv.is_finite()) {
-                uv
-            } else {
-                Vec2::ZERO
-            }
+
+    /// The triangles of a primitive, in its own coordinates, without vertices that none of them
+    /// uses; `uv_set` is that of its texture coordinates.
+    pub(super) fn read(&mut self, key: &Key, uv_set: u32, field: &str) -> Result<Mesh, Error> {
+        let vertices = [Some(key.positions), key.normals, key.uvs];
+        if self.last.as_ref().is_none_or(|(last, _)| *last != vertices) {
+            let mesh = self.vertices(key, uv_set, field)?;
+            self.last = Some((vertices, mesh));
+        }
+        let Some((_, vertices)) = &self.last else {
+            return Ok(Mesh::default());
         };
-        uvs = values.into_iter().map(Vec2::from).map(finite).collect();
+        let triangles = triangles(self.document, key, vertices.positions.len(), field)?;
+        let mesh = compact(vertices, triangles);
+        let size = size_of_val(&mesh.positions[..]) + size_of_val(&mesh.triangles[..]);
+        self.document.spend(size, field)?;
+        Ok(mesh)
     }
-    let triangles = triangles(document, key, positions.len(), field)?;
-    Ok(compact(Mesh {
-        positions,
-        normals,
-        uvs,
-        triangles,
-    }))
+
+    /// All vertices, without triangles.
+    fn vertices(&mut self, key: &Key, uv_set: u32, field: &str) -> Result<Mesh, Error> {
+        let document = self.document;
+        let named = |name: &str| format!("{field}.attributes.{name}");
+        let position = named("POSITION");
+        let positions = accessor::read::<3>(document, key.positions, &position)?;
+        let positions: Vec<_> = positions.into_iter().map(Vec3::from).collect();
+        if let Some(bad) = positions.iter().position(|p| !p.is_finite()) {
+            let found = positions[bad];
+            let why = format!("vertex {bad} is {found}: mend the mesh and export again");
+            return Err(document.error(position, why));
+        }
+        let mut mesh = Mesh {
+            positions,
+            ..Mesh::default()
+        };
+        if let Some(index) = key.normals {
+            let normals = self.attribute(index, mesh.positions.len(), &named("NORMAL"))?;
+            mesh.normals = normals.into_iter().map(Vec3::from).collect();
+        }
+        if let Some(index) = key.uvs {
+            let name = named(&format!("TEXCOORD_{uv_set}"));
+            let uvs = self.attribute(index, mesh.positions.len(), &name)?;
+            mesh.uvs = uvs.into_iter().map(Vec2::from).collect();
+        }
+        Ok(mesh)
+    }
+
+    fn attribute<const N: usize>(
+        &mut self,
+        index: Index<Accessor>,
+        vertices: usize,
+        field: &str,
+    ) -> Result<Vec<[f32; N]>, Error> {
+        same_count(self.document, index, vertices, field)?;
+        let mut values = accessor::read(self.document, index, field)?;
+        for value in &mut values {
+            if !value.iter().all(|x| x.is_finite()) {
+                *value = [0.0; N];
+                self.faults += 1;
+            }
+        }
+        Ok(values)
+    }
 }
 
 fn same_count(
@@ -157,13 +183,13 @@ fn triangles(
 }
 
 /// Leaves out vertices that no triangle uses: exporters put many meshes into one list.
-fn compact(mesh: Mesh) -> Mesh {
+fn compact(mesh: &Mesh, triangles: Vec<[u32; 3]>) -> Mesh {
     const UNUSED: u32 = u32::MAX;
-    let mut renamed = vec![UNUSED; mesh.positions.len()];
+    let mut names = vec![UNUSED; mesh.positions.len()];
     let mut used = Vec::new();
-    let triangles = mesh.triangles.iter().map(|corners| {
+    let renamed = triangles.iter().map(|corners| {
         corners.map(|i| {
-            let name = &mut renamed[i as usize];
+            let name = &mut names[i as usize];
             if *name == UNUSED {
                 *name = used.len() as u32;
                 used.push(i as usize);
@@ -171,15 +197,12 @@ fn compact(mesh: Mesh) -> Mesh {
             *name
         })
     });
-    let triangles = triangles.collect();
-    if used.len() == mesh.positions.len() {
-        return mesh;
-    }
+    let renamed = renamed.collect();
     Mesh {
         positions: pick(&mesh.positions, &used),
         normals: pick(&mesh.normals, &used),
         uvs: pick(&mesh.uvs, &used),
-        triangles,
+        triangles: renamed,
     }
 }
 

@@ -14,12 +14,19 @@ use std::sync::Arc;
 pub(super) struct Textures<'a> {
     document: &'a Document,
     known: HashMap<(usize, bool), Arc<Texture>>,
+    texels: u64,
 }
+
+/// Texels of all textures of a file at most: an image of one colour says much in few bytes.
+const MAX_TEXELS: u64 = 1 << 30;
 
 impl<'a> Textures<'a> {
     pub(super) fn of(document: &'a Document) -> Self {
-        let known = HashMap::new();
-        Self { document, known }
+        Self {
+            document,
+            known: HashMap::new(),
+            texels: 0,
+        }
     }
 
     /// A texture of the file, decoded once for each meaning of its numbers.
@@ -39,6 +46,12 @@ impl<'a> Textures<'a> {
         let texture = Texture::decode(&bytes, space);
         let mut texture =
             texture.map_err(|problem| self.document.error(format!("images[{image}]"), problem))?;
+        let [width, height] = texture.size().map(u64::from);
+        self.texels += width * height;
+        if self.texels > MAX_TEXELS {
+            let why = "has, with those before it, more than 2³⁰ texels: scale images down";
+            return Err(self.document.error(format!("images[{image}]"), why));
+        }
         if let Some(sampler) = description.sampler {
             let sampler = &root.samplers[sampler.value()];
             texture.wrap = [&sampler.wrap_s, &sampler.wrap_t].map(wrap);

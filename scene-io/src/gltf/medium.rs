@@ -154,7 +154,7 @@ pub(super) fn read(
 fn extinction(document: &Document, volume: &Volume, field: &str) -> Result<Rgb, Error> {
     let field = format!("{field}.extensions.KHR_materials_volume");
     let distance = volume.attenuation_distance.0;
-    if !(distance > 0.0) {
+    if distance <= 0.0 {
         let why = "must be above 0: export again";
         return Err(document.error(format!("{field}.attenuationDistance"), why));
     }

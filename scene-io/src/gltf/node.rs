@@ -117,11 +117,10 @@ fn transform_of(document: &Document, node: &Node, field: &str) -> Result<DAffine
     let rotation = node
         .rotation
         .map_or(DQuat::IDENTITY, |r| DQuat::from_array(r.0.map(f64::from)));
-    if !(translation.is_finite() && scale.is_finite()) {
-        return Err(fault(
-            "translation",
-            "and scale must be finite: mend them and export again",
-        ));
+    for (key, vector) in [("translation", translation), ("scale", scale)] {
+        if !vector.is_finite() {
+            return Err(fault(key, "must be finite: mend it and export again"));
+        }
     }
     let Some(rotation) = normalized(rotation) else {
         return Err(fault(

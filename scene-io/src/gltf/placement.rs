@@ -80,9 +80,9 @@ pub(super) fn solids(
 ) -> Result<Vec<(Solid, Option<usize>)>, Error> {
     let mut reader = Reader {
         document,
+        geometry: geometry::Reader::of(document),
         uses: HashMap::new(),
         shared: HashMap::new(),
-        faults: 0,
     };
     let mut keyed = Vec::new();
     let mut left_out = Vec::new();
@@ -115,8 +115,8 @@ pub(super) fn solids(
             .iter()
             .map(|what| format!("{path}: left out: {what}")),
     );
-    if reader.faults > 0 {
-        let count = reader.faults;
+    if reader.geometry.faults > 0 {
+        let count = reader.geometry.faults;
         notices.push(format!(
             "{path}: {count} normals or texture coordinates are no numbers and count as absent"
         ));
@@ -136,11 +136,10 @@ impl Placement {
 
 struct Reader<'a> {
     document: &'a Document,
+    geometry: geometry::Reader<'a>,
     uses: HashMap<Key, usize>,
     /// Meshes, and boxes around them.
     shared: HashMap<Key, (Arc<Mesh>, [DVec3; 2])>,
-    /// Attributes that are no numbers.
-    faults: usize,
 }
 
 impl Reader<'_> {
@@ -154,14 +153,14 @@ impl Reader<'_> {
         let field = placement.field();
         let to_world = placement.to_world;
         if self.uses.get(key) == Some(&1) {
-            let mesh = geometry::read(self.document, key, uv_set, &field, &mut self.faults)?;
+            let mesh = self.geometry.read(key, uv_set, &field)?;
             let baked = || Solid::Mesh(baked(&mesh, &to_world));
             return Ok((!mesh.triangles.is_empty()).then(baked));
         }
         let (mesh, bounds) = match self.shared.get(key) {
             Some(shared) => shared.clone(),
             None => {
-                let mesh = geometry::read(self.document, key, uv_set, &field, &mut self.faults)?;
+                let mesh = self.geometry.read(key, uv_set, &field)?;
                 let bounds = around_points(mesh.positions.iter().map(|p| p.as_dvec3()));
                 self.shared
                     .entry(*key)
@@ -189,7 +188,7 @@ impl Reader<'_> {
 fn is_flat(to_world: &DAffine3) -> bool {
     let m = &to_world.matrix3;
     let box_volume = m.x_axis.length() * m.y_axis.length() * m.z_axis.length();
-    !(m.determinant().abs() > 1e-9 * box_volume)
+    m.determinant().abs() <= 1e-9 * box_volume
 }
 
 /// The mesh in the coordinates of the world. A reflection turns triangles round, so that their

@@ -7,7 +7,7 @@ use std::f32::consts::PI;
 use tyndall_core::{
     Anchor, DirectSample, EmissionPdf, EmissionSample, Frame, LightKind, MediumId, warp,
 };
-use tyndall_surface::Surfaces;
+use tyndall_surface::{Shape, Surfaces};
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Area {
@@ -52,12 +52,11 @@ impl Area {
         u: [f32; 2],
         surfaces: &Surfaces,
     ) -> Option<DirectSample<f32, Hit>> {
-        let hit = surfaces.sample(self.shape, self.primitive, u);
+        let (hit, pdf_w) = surfaces.sample_from(self.shape, self.primitive, from, u)?;
         let surface = surfaces.surface(&hit);
-        let (wi, distance) = (surface.position - from).normalize_and_length();
+        let wi = (surface.position - from).normalize();
         let cos_theta = -wi.dot(surface.geometric_normal);
-        let pdf_w = self.pdf_direct_w(distance, cos_theta);
-        (pdf_w > 0.0).then(|| DirectSample {
+        (cos_theta > 0.0).then(|| DirectSample {
             target: Anchor::Surface(Hit::on_light(hit)),
             wi,
             weight: 1.0 / pdf_w,
@@ -68,13 +67,15 @@ impl Area {
         })
     }
 
-    /// Density per steradian of sampling by area, from `distance` at `cos_theta` to the normal.
-    pub(super) fn pdf_direct_w(&self, distance: f32, cos_theta: f32) -> f32 {
-        let pdf_w = distance * distance / (cos_theta * self.area);
-        if cos_theta > 0.0 && pdf_w.is_finite() {
-            pdf_w
-        } else {
-            0.0
+    /// Where light from it comes from, to points of a segment: the middle of a sphere, of which
+    /// each sees another part, and elsewhere the point that they all see.
+    pub(super) fn pivot(&self, u: [f32; 2], surfaces: &Surfaces) -> Vec3 {
+        match *surfaces.shape(self.shape) {
+            Shape::Sphere { center, .. } => center,
+            _ => {
+                let hit = surfaces.sample(self.shape, self.primitive, u);
+                surfaces.surface(&hit).position
+            }
         }
     }
 

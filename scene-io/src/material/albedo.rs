@@ -23,7 +23,7 @@ const MIN_ALPHA: f32 = 1e-3;
 const LAST_INDEX: f32 = 0.98;
 /// Points of the quadrature over facets, which is Roberts' sequence R₂ (2018), and its steps.
 const POINTS: u16 = 512;
-const STEPS: [f32; 2] = [0.754_877_67, 0.569_840_3];
+const STEPS: [f32; 2] = [0.754_877_7, 0.569_840_3];
 /// Points of a mean over cosines.
 const MEAN_POINTS: u16 = 1024;
 

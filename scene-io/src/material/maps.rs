@@ -78,6 +78,23 @@ pub(crate) struct Maps {
     pub(crate) alpha_mode: AlphaMode,
 }
 
+impl Maps {
+    /// All textures, some perhaps more than once.
+    pub(crate) fn textures(&self) -> impl Iterator<Item = &Arc<Texture>> {
+        let scalars = [
+            &self.roughness,
+            &self.metallic,
+            &self.transmission,
+            &self.alpha_map,
+        ];
+        let scalars = scalars.into_iter().flatten().map(|s| &s.map);
+        let colours = [&self.base_color, &self.emission].into_iter().flatten();
+        let maps = colours.chain(scalars);
+        maps.chain(self.normal.iter().map(|n| &n.map))
+            .map(|map| &map.texture)
+    }
+}
+
 impl Default for Maps {
     fn default() -> Self {
         Self {

@@ -9,14 +9,14 @@ use tyndall_core::{Geometry, MediumId, Ray, Rgb, Surface};
 use tyndall_scene_io::{Error, Hit, Scene, SceneFile};
 
 /// A glTF file being made: its JSON and its one buffer.
-pub struct Builder {
-    pub json: Value,
-    pub bytes: Vec<u8>,
+pub(crate) struct Builder {
+    pub(crate) json: Value,
+    pub(crate) bytes: Vec<u8>,
 }
 
 impl Builder {
     /// One scene of no nodes.
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self {
             json: json!({ "asset": { "version": "2.0" }, "scene": 0, "scenes": [{ "nodes": [] }] }),
             bytes: Vec::new(),
@@ -24,7 +24,7 @@ impl Builder {
     }
 
     /// Adds to a list at the root; its index.
-    pub fn push(&mut self, list: &str, value: Value) -> usize {
+    pub(crate) fn push(&mut self, list: &str, value: Value) -> usize {
         let entry = &mut self.json[list];
         if entry.is_null() {
             *entry = json!([]);
@@ -35,14 +35,17 @@ impl Builder {
     }
 
     /// A node of the scene.
-    pub fn node(&mut self, node: Value) -> usize {
+    pub(crate) fn node(&mut self, node: Value) -> usize {
         let index = self.push("nodes", node);
-        self.json["scenes"][0]["nodes"].as_array_mut().unwrap().push(json!(index));
+        self.json["scenes"][0]["nodes"]
+            .as_array_mut()
+            .unwrap()
+            .push(json!(index));
         index
     }
 
     /// A view of new bytes, aligned to four.
-    pub fn view(&mut self, bytes: &[u8], stride: Option<usize>) -> usize {
+    pub(crate) fn view(&mut self, bytes: &[u8], stride: Option<usize>) -> usize {
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
         let (offset, length) = (self.bytes.len(), bytes.len());
         self.bytes.extend(bytes);
@@ -53,7 +56,13 @@ impl Builder {
         self.push("bufferViews", view)
     }
 
-    pub fn accessor(&mut self, view: usize, component: u32, kind: &str, count: usize) -> usize {
+    pub(crate) fn accessor(
+        &mut self,
+        view: usize,
+        component: u32,
+        kind: &str,
+        count: usize,
+    ) -> usize {
         let accessor = json!({
             "bufferView": view, "componentType": component, "type": kind, "count": count,
         });
@@ -61,27 +70,31 @@ impl Builder {
     }
 
     /// An accessor of floats.
-    pub fn floats<const N: usize>(&mut self, values: &[[f32; N]]) -> usize {
-        let bytes: Vec<u8> = values.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
+    pub(crate) fn floats<const N: usize>(&mut self, values: &[[f32; N]]) -> usize {
+        let bytes: Vec<u8> = values
+            .iter()
+            .flatten()
+            .flat_map(|x| x.to_le_bytes())
+            .collect();
         let view = self.view(&bytes, None);
         let kind = ["SCALAR", "VEC2", "VEC3", "VEC4"][N - 1];
         self.accessor(view, 5126, kind, values.len())
     }
 
     /// An accessor of 16-bit indices.
-    pub fn indices(&mut self, indices: &[u16]) -> usize {
+    pub(crate) fn indices(&mut self, indices: &[u16]) -> usize {
         let bytes: Vec<u8> = indices.iter().flat_map(|i| i.to_le_bytes()).collect();
         let view = self.view(&bytes, None);
         self.accessor(view, 5123, "SCALAR", indices.len())
     }
 
     /// A mesh of one primitive.
-    pub fn mesh(&mut self, primitive: Value) -> usize {
+    pub(crate) fn mesh(&mut self, primitive: Value) -> usize {
         self.push("meshes", json!({ "primitives": [primitive] }))
     }
 
     /// The unit square in z = 0 from −½ to ½ that looks along +z.
-    pub fn square(&mut self, material: Option<usize>) -> usize {
+    pub(crate) fn square(&mut self, material: Option<usize>) -> usize {
         let [a, b] = [-0.5, 0.5];
         let positions = self.floats(&[[a, a, 0.0], [b, a, 0.0], [b, b, 0.0], [a, b, 0.0]]);
         let uvs = self.floats(&[[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]]);
@@ -96,7 +109,7 @@ impl Builder {
     }
 
     /// The cube from −½ to ½, closed.
-    pub fn cube(&mut self, material: Option<usize>) -> usize {
+    pub(crate) fn cube(&mut self, material: Option<usize>) -> usize {
         let corner = |i: u32| [0, 1, 2].map(|n| (i >> n & 1) as f32 - 0.5);
         let corners: Vec<_> = (0..8).map(corner).collect();
         let positions = self.floats(&corners);
@@ -108,10 +121,12 @@ impl Builder {
             [0, 2, 3, 1],
             [4, 5, 7, 6],
         ];
-        let indices: Vec<u16> = faces.iter().flat_map(|&[a, b, c, d]| [a, b, c, a, c, d]).collect();
+        let indices: Vec<u16> = faces
+            .iter()
+            .flat_map(|&[a, b, c, d]| [a, b, c, a, c, d])
+            .collect();
         let indices = self.indices(&indices);
-        let mut primitive =
-            json!({ "attributes": { "POSITION": positions }, "indices": indices });
+        let mut primitive = json!({ "attributes": { "POSITION": positions }, "indices": indices });
         if let Some(material) = material {
             primitive["material"] = json!(material);
         }
@@ -119,7 +134,7 @@ impl Builder {
     }
 
     /// A camera of 45° at (0, 0, 5) that looks along −z.
-    pub fn camera(&mut self) -> usize {
+    pub(crate) fn camera(&mut self) -> usize {
         let perspective = json!({ "yfov": std::f32::consts::FRAC_PI_4, "znear": 0.1 });
         let camera = json!({ "type": "perspective", "perspective": perspective });
         let camera = self.push("cameras", camera);
@@ -127,7 +142,7 @@ impl Builder {
     }
 
     /// A node with a punctual light.
-    pub fn light(&mut self, light: Value, mut node: Value) {
+    pub(crate) fn light(&mut self, light: Value, mut node: Value) {
         let extension = &mut self.json["extensions"]["KHR_lights_punctual"]["lights"];
         if extension.is_null() {
             *extension = json!([]);
@@ -139,7 +154,7 @@ impl Builder {
     }
 
     /// The JSON with the buffer in place.
-    pub fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         let mut json = self.json.clone();
         if !self.bytes.is_empty() && json.get("buffers").is_none() {
             let data = base64::engine::general_purpose::STANDARD.encode(&self.bytes);
@@ -150,7 +165,7 @@ impl Builder {
     }
 
     /// The binary form.
-    pub fn glb(&self) -> Vec<u8> {
+    pub(crate) fn glb(&self) -> Vec<u8> {
         let mut json = self.json.clone();
         json["buffers"] = json!([{ "byteLength": self.bytes.len() }]);
         let mut text = json.to_string().into_bytes();
@@ -168,44 +183,49 @@ impl Builder {
     }
 
     /// The scene, loaded by itself.
-    pub fn load(&self) -> Result<SceneFile, Error> {
+    pub(crate) fn load(&self) -> Result<SceneFile, Error> {
         let folder = Folder::new();
         SceneFile::load(&folder.write("scene.gltf", self.text()), &[])
     }
 
-    pub fn scene(&self) -> Scene<Rgb> {
+    pub(crate) fn scene(&self) -> Scene<Rgb> {
         let file = self.load().unwrap_or_else(|e| panic!("{e}"));
         file.build().unwrap_or_else(|e| panic!("{e}"))
     }
 }
 
 /// Files of a test.
-pub struct Folder(TempDir);
+pub(crate) struct Folder(TempDir);
 
 impl Folder {
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self(tempfile::tempdir().unwrap())
     }
 
-    pub fn path(&self) -> &Path {
+    pub(crate) fn path(&self) -> &Path {
         self.0.path()
     }
 
-    pub fn write(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
+    pub(crate) fn write(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
         let path = self.path().join(name);
         std::fs::write(&path, content).unwrap();
         path
     }
 }
 
-/// What a ray meets first.
-pub fn meet(scene: &Scene<Rgb>, origin: [f32; 3], direction: [f32; 3]) -> Option<(Surface, Hit)> {
+/// What a ray of the scene meets first.
+pub(crate) fn meet(
+    scene: &Scene<Rgb>,
+    origin: [f32; 3],
+    direction: [f32; 3],
+) -> Option<(Surface, Hit)> {
     let ray = Ray::new(origin.into(), Vec3::from(direction).normalize());
     let (_, hit) = scene.intersect(&ray, MediumId::VACUUM)?;
     Some((scene.surface(&hit), hit))
 }
 
-/// What is met from (x, y, 5) along −z.
-pub fn front(scene: &Scene<Rgb>, x: f32, y: f32) -> Option<Surface> {
-    meet(scene, [x, y, 5.0], [0.0, 0.0, -1.0]).map(|(surface, _)| surface)
+/// What is met from (x, y, 5) of the file along −z.
+pub(crate) fn front(scene: &Scene<Rgb>, x: f32, y: f32) -> Option<Surface> {
+    let from = glam::DVec3::new(x.into(), y.into(), 5.0) - scene.origin();
+    meet(scene, from.as_vec3().to_array(), [0.0, 0.0, -1.0]).map(|(surface, _)| surface)
 }

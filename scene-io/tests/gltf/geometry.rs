@@ -3,8 +3,8 @@
 use crate::builder::{Builder, Folder, front, meet};
 use glam::Vec3;
 use serde_json::json;
-use tyndall_scene_io::SceneFile;
 use tyndall_core::Rgb;
+use tyndall_scene_io::SceneFile;
 
 /// A scene of one primitive before a camera.
 fn scene_of(make: impl FnOnce(&mut Builder) -> serde_json::Value) -> Builder {
@@ -21,12 +21,18 @@ fn assert_square(b: &Builder, what: &str) {
     let scene = b.scene();
     for (x, y) in [(-0.4, -0.3), (0.4, 0.3), (0.3, -0.45), (-0.3, 0.45)] {
         let surface = front(&scene, x, y).unwrap_or_else(|| panic!("{what}: hole at {x}, {y}"));
-        assert!((surface.position - Vec3::new(x, y, 0.0)).length() < 1e-5, "{what}: {surface:?}");
+        assert!(
+            (surface.position - Vec3::new(x, y, 0.0)).length() < 1e-5,
+            "{what}: {surface:?}"
+        );
         assert!(surface.geometric_normal.z > 0.999, "{what}: {surface:?}");
         assert_eq!(surface.shading_normal, surface.geometric_normal, "{what}");
     }
     for (x, y) in [(-0.6, 0.0), (0.6, 0.0), (0.0, -0.6), (0.0, 0.6)] {
-        assert!(front(&scene, x, y).is_none(), "{what}: something at {x}, {y}");
+        assert!(
+            front(&scene, x, y).is_none(),
+            "{what}: something at {x}, {y}"
+        );
     }
 }
 
@@ -62,16 +68,16 @@ fn indices_of_all_sizes_and_none() {
 fn strips_and_fans_face_as_their_first_triangle() {
     let strip = [0, 1, 3, 2].map(|i: usize| CORNERS[i]);
     for (mode, corners) in [(5, strip), (6, CORNERS)] {
-        let b = scene_of(|b| {
-            json!({ "attributes": { "POSITION": b.floats(&corners) }, "mode": mode })
-        });
+        let b =
+            scene_of(|b| json!({ "attributes": { "POSITION": b.floats(&corners) }, "mode": mode }));
         assert_square(&b, &format!("mode {mode}"));
     }
 }
 
 #[test]
 fn points_and_lines_are_left_out_and_said() {
-    let mut b = scene_of(|b| json!({ "attributes": { "POSITION": b.floats(&CORNERS) }, "mode": 1 }));
+    let mut b =
+        scene_of(|b| json!({ "attributes": { "POSITION": b.floats(&CORNERS) }, "mode": 1 }));
     let square = b.square(None);
     b.node(json!({ "mesh": square }));
     let notices = b.load().unwrap().notices().to_vec();
@@ -145,7 +151,11 @@ fn integers_become_fractions() {
         .collect();
     let view = b.view(&bytes, Some(8));
     let positions = b.accessor(view, 5122, "VEC3", 4);
-    let normals: Vec<u8> = [76_i8, 0, 102, 0].repeat(4).iter().map(|x| *x as u8).collect();
+    let normals: Vec<u8> = [76_i8, 0, 102, 0]
+        .repeat(4)
+        .iter()
+        .map(|x| *x as u8)
+        .collect();
     let view = b.view(&normals, Some(4));
     let normals = b.accessor(view, 5120, "VEC3", 4);
     for accessor in [positions, normals] {
@@ -184,7 +194,10 @@ fn containers_hold_the_same() {
         let path = folder.write(name, content);
         let scene = SceneFile::load(&path, &[]).unwrap_or_else(|e| panic!("{e}"));
         let scene = scene.build::<Rgb>().unwrap();
-        assert!(meet(&scene, [0.4, 0.4, 1.0], [0.0, 0.0, -1.0]).is_some(), "{name}");
+        assert!(
+            meet(&scene, [0.4, 0.4, 1.0], [0.0, 0.0, -1.0]).is_some(),
+            "{name}"
+        );
     }
 }
 

@@ -122,6 +122,43 @@ fn images_alarm_as_stated() {
     });
 }
 
+/// Against an exact image, Welch's t is Student's: the probabilities of χ² are uniform although
+/// four passes are few, with 50 pixels (incomplete Γ) as with 10,000 (cube root). False alarm 1e-6
+/// each.
+#[test]
+fn chi2_of_images_is_chi2() {
+    let mut s = rng(5);
+    for (pixels, images) in [(50, 400), (10_000, 60)] {
+        let exact = [vec![1.0; pixels], vec![0.0; pixels]];
+        let mut p: Vec<_> = (0..images)
+            .map(|_| {
+                let a = image(4, pixels, 0.0, &mut s);
+                let found = compare_images(view(&a, 4), view(&exact, 4));
+                assert_eq!(found.varying, pixels);
+                found.chi2_p
+            })
+            .collect();
+        kolmogorov_smirnov(&mut p, |x| x, 1e-6).unwrap();
+    }
+}
+
+/// Half a standard error everywhere, up and down in turn: no pixel and no mean shows it. The
+/// expected χ² is 1.25 n, 7.9 standard deviations above n for 2,000 pixels.
+#[test]
+fn chi2_finds_what_no_pixel_shows() {
+    let mut s = rng(6);
+    let (mut a, exact) = (
+        image(64, 2000, 0.0, &mut s),
+        [vec![1.0; 2000], vec![0.0; 2000]],
+    );
+    for (i, mean) in a[0].iter_mut().enumerate() {
+        *mean += 0.5 * 0.3 / 8.0 * if i % 2 == 0 { 1.0 } else { -1.0 };
+    }
+    z_test_images(view(&a, 64), view(&exact, 64), 1e-3).unwrap();
+    let found = compare_images(view(&a, 64), view(&exact, 64));
+    assert!(found.chi2_p < 1e-6, "{found:?}");
+}
+
 #[test]
 fn a_shift_of_one_per_cent_is_found() {
     let mut s = rng(3);

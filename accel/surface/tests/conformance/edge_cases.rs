@@ -3,7 +3,8 @@
 use crate::built;
 use crate::random::Random;
 use crate::scenes::{add_triangle, triangle};
-use glam::Vec3;
+use glam::{DAffine3, Vec3};
+use std::sync::Arc;
 use tyndall_core::Ray;
 use tyndall_surface::{Backend, Mesh, Shape};
 
@@ -17,7 +18,11 @@ fn quad(corner: Vec3, edge_u: Vec3, edge_v: Vec3) -> Shape {
 
 #[test]
 fn an_empty_scene_meets_nothing() {
-    let nothing = [vec![], vec![Shape::Mesh(Mesh::default())]];
+    let empty = Shape::Instance {
+        mesh: Arc::new(Mesh::default()),
+        to_world: DAffine3::IDENTITY,
+    };
+    let nothing = [vec![], vec![Shape::Mesh(Mesh::default())], vec![empty]];
     for shapes in nothing {
         for (backend, surfaces) in built(&shapes) {
             let ray = Ray::new(Vec3::ONE, Vec3::X);

@@ -2,7 +2,8 @@
 
 use crate::BACKENDS;
 use crate::scenes::triangle;
-use glam::{Vec2, Vec3};
+use glam::{DAffine3, Vec2, Vec3};
+use std::sync::Arc;
 use tyndall_surface::{Mesh, Shape, Surfaces};
 
 fn error(shape: Shape) -> String {
@@ -58,6 +59,63 @@ fn faulty_numbers_are_named() {
         let error = error(shape);
         assert!(error.starts_with(message), "{error}");
     }
+}
+
+#[test]
+fn faulty_transformations_are_named() {
+    let placed = |linear: [Vec3; 3], translation: Vec3| {
+        let Shape::Mesh(mesh) = changed(|_| {}) else {
+            unreachable!("changed gives meshes")
+        };
+        let [x, y, z] = linear.map(|c| c.as_dvec3());
+        Shape::Instance {
+            mesh: Arc::new(mesh),
+            to_world: DAffine3::from_cols(x, y, z, translation.as_dvec3()),
+        }
+    };
+    let (x, y, z) = (Vec3::X, Vec3::Y, Vec3::Z);
+    let cases = [
+        (
+            placed([x, Vec3::NAN, z], Vec3::ZERO),
+            "shape 1: to_world 1 is not finite",
+        ),
+        (
+            placed([x, y, z], Vec3::INFINITY),
+            "shape 1: to_world 3 is not finite",
+        ),
+        (
+            placed([x, y, Vec3::ZERO], Vec3::ZERO),
+            "shape 1: to_world flattens the mesh (determinant 0e0)",
+        ),
+        (
+            placed([x, y, x - 3.0 * y], Vec3::ZERO),
+            "shape 1: to_world flattens the mesh (determinant 0e0)",
+        ),
+        (
+            placed([9e17 * x, 9e17 * x + 9e17 * y, z], 9e17 * x),
+            "shape 1: to_world takes the mesh beyond 1e18",
+        ),
+        (
+            placed([x, y, 1e-20 * z], Vec3::ZERO),
+            "shape 1: to_world takes the mesh beyond 1e18, or its inverse",
+        ),
+    ];
+    for (shape, message) in cases {
+        let error = error(shape);
+        assert!(error.starts_with(message), "{error}");
+    }
+    let Shape::Instance { to_world, .. } = placed([x, y, z], Vec3::ZERO) else {
+        unreachable!("placed gives instances")
+    };
+    let mesh = Arc::new(Mesh {
+        triangles: vec![[0, 1, 2]],
+        ..Mesh::default()
+    });
+    let error = error(Shape::Instance { mesh, to_world });
+    assert!(
+        error.starts_with("shape 1: triangle 0 refers to"),
+        "{error}"
+    );
 }
 
 #[test]

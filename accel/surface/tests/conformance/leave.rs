@@ -2,10 +2,11 @@
 
 use crate::built;
 use crate::random::Random;
-use crate::scenes::triangle;
-use glam::Vec3;
+use crate::scenes::{add_triangle, linear, triangle};
+use glam::{DAffine3, Vec3};
+use std::sync::Arc;
 use tyndall_core::Anchor;
-use tyndall_surface::{Shape, ShapeHit, Surfaces};
+use tyndall_surface::{Mesh, Shape, ShapeHit, Surfaces};
 
 /// Sizes of shapes, and how far from the origin they are.
 const PLACES: &[(f32, f32)] = &[
@@ -34,7 +35,22 @@ fn flat_shapes(random: &mut Random, center: Vec3, size: f32) -> Vec<Shape> {
             normal,
             radius: size,
         },
+        instance(random, center, size),
     ]
+}
+
+/// A triangle whose own size and place have nothing to do with those in the scene.
+fn instance(random: &mut Random, center: Vec3, size: f32) -> Shape {
+    let mut mesh = Mesh::default();
+    let own = 10_f32.powf(12.0 * random.number() - 6.0);
+    let away = random.cube();
+    add_triangle(&mut mesh, [(); 3].map(|()| own * (random.cube() + away)));
+    let kind = random.index(8);
+    let linear = f64::from(size) / f64::from(own) * linear(random, kind);
+    Shape::Instance {
+        mesh: Arc::new(mesh),
+        to_world: DAffine3::from_mat3_translation(linear, center.as_dvec3()),
+    }
 }
 
 /// For every place and 200 random shapes there: `check(name, surfaces of one shape, random)`.
@@ -154,7 +170,11 @@ fn a_connection_meets_neither_end() {
             let size = surfaces.bounds().size().max_element();
             let away = size * 10_f32.powf(4.0 * random.number() - 1.0) * outside;
             // A point in the surface to within rounding is on no side of it.
-            let rounding = 4e-6 * (away.length() + size + surfaces.bounds().center().length());
+            let precision = match surfaces.shape(0) {
+                Shape::Instance { .. } => 1e-4,
+                _ => 4e-6,
+            };
+            let rounding = precision * (away.length() + size + surfaces.bounds().center().length());
             if away.dot(normal).abs() < rounding {
                 continue;
             }

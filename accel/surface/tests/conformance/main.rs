@@ -3,6 +3,7 @@
 mod edge_cases;
 mod errors;
 mod hits;
+mod instances;
 mod leave;
 mod random;
 mod reference;

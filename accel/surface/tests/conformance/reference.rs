@@ -1,8 +1,8 @@
 //! Brute force in `f64`, with formulas that the crate does not use.
 
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 use tyndall_core::Ray;
-use tyndall_surface::Shape;
+use tyndall_surface::{Mesh, Shape};
 
 /// Where a ray meets what: distance, shape, primitive.
 pub(crate) type Met = (f64, u32, u32);
@@ -27,17 +27,11 @@ pub(crate) fn nearest(shapes: &[Shape], ray: &Ray, shift: DVec3) -> Option<Met> 
 
 fn distances(shape: &Shape, primitive: usize, o: DVec3, d: DVec3) -> [f64; 2] {
     match *shape {
-        Shape::Mesh(ref mesh) => {
-            let p = mesh.triangles[primitive].map(|i| mesh.positions[i as usize].as_dvec3());
-            let normal = (p[1] - p[0]).cross(p[2] - p[0]);
-            let t = plane(p[0], normal, o, d);
-            let met = o + t * d;
-            let inside = (0..3).all(|i| {
-                let (a, b) = (p[i], p[(i + 1) % 3]);
-                (b - a).cross(met - a).dot(normal) >= 0.0
-            });
-            keep(t, inside)
-        }
+        Shape::Mesh(ref mesh) => triangle(mesh, &DAffine3::IDENTITY, primitive, o, d),
+        Shape::Instance {
+            ref mesh,
+            ref to_world,
+        } => triangle(mesh, to_world, primitive, o, d),
         Shape::Quad {
             corner,
             edge_u,
@@ -70,6 +64,19 @@ fn distances(shape: &Shape, primitive: usize, o: DVec3, d: DVec3) -> [f64; 2] {
             keep(t, (o + t * d).distance(center) <= radius.into())
         }
     }
+}
+
+fn triangle(mesh: &Mesh, to_world: &DAffine3, triangle: usize, o: DVec3, d: DVec3) -> [f64; 2] {
+    let p = mesh.triangles[triangle]
+        .map(|i| to_world.transform_point3(mesh.positions[i as usize].as_dvec3()));
+    let normal = (p[1] - p[0]).cross(p[2] - p[0]);
+    let t = plane(p[0], normal, o, d);
+    let met = o + t * d;
+    let inside = (0..3).all(|i| {
+        let (a, b) = (p[i], p[(i + 1) % 3]);
+        (b - a).cross(met - a).dot(normal) >= 0.0
+    });
+    keep(t, inside)
 }
 
 fn plane(p: DVec3, normal: DVec3, o: DVec3, d: DVec3) -> f64 {

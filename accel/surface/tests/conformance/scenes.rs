@@ -1,8 +1,9 @@
 //! Shapes to shoot at.
 
 use crate::random::Random;
-use glam::Vec3;
+use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
 use std::f32::consts::{PI, TAU};
+use std::sync::Arc;
 use tyndall_surface::{Mesh, Shape};
 
 /// Some of everything within the cube of half width `size` around `center`, degenerate triangles
@@ -40,6 +41,59 @@ pub(crate) fn jumble(seed: u64, center: Vec3, size: f32) -> Vec<Shape> {
         });
     }
     shapes
+}
+
+/// Half of the shapes of [`jumble`], and a dozen instances of two meshes among them.
+pub(crate) fn instances(seed: u64, center: Vec3, size: f32) -> Vec<Shape> {
+    let mut random = Random::new(seed);
+    let mut shapes = jumble(seed, center, size);
+    shapes.truncate(20);
+    let meshes = [1e-2_f32, 1e3].map(|own| {
+        let mut mesh = Mesh::default();
+        for _ in 0..20 {
+            let p = random.cube();
+            add_triangle(&mut mesh, [(); 3].map(|()| own * (p + 0.5 * random.cube())));
+        }
+        (own, Arc::new(mesh))
+    });
+    for kind in 0..24 {
+        let (own, mesh) = &meshes[kind % 2];
+        let origin = center + size * random.cube();
+        let scale = 0.4 * f64::from(size) / f64::from(*own);
+        shapes.push(Shape::Instance {
+            mesh: mesh.clone(),
+            to_world: DAffine3::from_mat3_translation(
+                scale * linear(&mut random, kind / 2),
+                origin.as_dvec3(),
+            ),
+        });
+    }
+    shapes
+}
+
+/// In turns a rotation, a strong scale along the axes, a shear, a scale along any axes; then the
+/// same with a reflection.
+pub(crate) fn linear(random: &mut Random, kind: usize) -> DMat3 {
+    let mut rotation = || {
+        let axis = random.direction().as_dvec3().normalize();
+        DMat3::from_quat(DQuat::from_axis_angle(
+            axis,
+            6.0 * f64::from(random.number()),
+        ))
+    };
+    let scale = DMat3::from_diagonal(DVec3::new(1.0, 0.05, 0.3));
+    let linear = match kind % 4 {
+        0 => rotation(),
+        1 => rotation() * scale,
+        2 => DMat3::from_cols(
+            DVec3::X,
+            DVec3::new(0.7, 0.8, 0.0),
+            DVec3::new(0.3, -0.5, 0.6),
+        ),
+        _ => rotation() * scale * rotation(),
+    };
+    let side = if kind % 8 < 4 { 1.0 } else { -1.0 };
+    linear * DMat3::from_diagonal(DVec3::new(side, 1.0, 1.0))
 }
 
 /// One triangle by itself.

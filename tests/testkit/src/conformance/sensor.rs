@@ -2,11 +2,11 @@
 
 use super::{ensure, is_unit, valid};
 use crate::rng;
-use tyndall_core::{Sampler, Sensor};
+use tyndall_core::{Sampler, Sensor, Spectrum};
 
-/// Rays of the sensor are finite and of unit direction, their weights and densities finite and not
-/// negative, for
-/// 10,000 random pixels and the corners of `u`.
+/// Rays of the sensor are finite and of unit direction, their weights finite (a reconstruction
+/// filter may have negative ones), their densities finite and not negative, for 10,000 random pixels
+/// and the corners of `u`.
 ///
 /// # Errors
 /// A sentence with the first ray that is not.
@@ -34,7 +34,7 @@ pub fn sensor<H: Sensor>(host: &H) -> Result<(), String> {
         let sound = start.ray.origin.is_finite()
             && is_unit(start.ray.direction)
             && start.ray.t_max > 0.0
-            && valid(start.weight)
+            && start.weight.is_finite()
             && valid(start.pdf_w);
         ensure(sound, || {
             format!("pixel {px:?}, u {u:?}: no ray of unit direction and finite weight: {start:?}")

@@ -1,0 +1,63 @@
+//! What goes wrong, how it is said and which exit code it has.
+
+use crate::checkpoint::CheckpointError;
+use crate::diff::Mismatch;
+use crate::merge::Refusal;
+use crate::progress::message;
+use miette::{Diagnostic, MietteHandlerOpts};
+use std::io::IsTerminal;
+use std::process::ExitCode;
+use tyndall_driver::{DifferentResolution, RenderError};
+
+/// Why a command failed.
+#[derive(Debug, thiserror::Error, Diagnostic)]
+pub(crate) enum Error {
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Scene(#[from] tyndall_scene_io::Error),
+    #[error(transparent)]
+    Checkpoint(#[from] CheckpointError),
+    #[error("no integrator is called `{0}`: choose `path`")]
+    UnknownIntegrator(String),
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    #[error(transparent)]
+    Mismatch(#[from] Mismatch),
+    #[error(transparent)]
+    Refusal(#[from] Refusal),
+    #[error(transparent)]
+    Merge(#[from] DifferentResolution),
+    #[error("the threads could not be started: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+    #[error("Ctrl-C could not be watched for: {0}")]
+    Interrupt(#[from] ctrlc::Error),
+    #[error("the standard output cannot be written: {0}")]
+    Output(#[from] std::io::Error),
+}
+
+impl Error {
+    /// Says it: on a terminal with the line of the scene file, elsewhere in one line.
+    pub(crate) fn report(self) -> ExitCode {
+        let code = self.code();
+        if std::io::stderr().is_terminal() {
+            // Messages name their causes themselves. A hook that is set already is as good.
+            let _ = miette::set_hook(Box::new(|_| {
+                Box::new(MietteHandlerOpts::new().without_cause_chain().build())
+            }));
+            message(&format!("{:?}", miette::Report::new(self)));
+        } else {
+            message(&format!("error: {self}"));
+        }
+        code
+    }
+
+    fn code(&self) -> ExitCode {
+        use tyndall_scene_io::Error as Scene;
+        ExitCode::from(match self {
+            Self::Scene(Scene::Write { .. }) | Self::Output(_) => 4,
+            Self::Scene(_) => 3,
+            Self::Checkpoint(_) => 5,
+            _ => 1,
+        })
+    }
+}

@@ -1,0 +1,146 @@
+//! `tyndall merge`.
+
+mod check;
+
+use crate::arguments::exr;
+use crate::failure::Error;
+use crate::progress::message;
+use check::{independent, same_picture};
+use clap::Args;
+use std::path::{Path, PathBuf};
+use tyndall_core::{Rgb, Spectrum};
+use tyndall_driver::Film;
+use tyndall_scene_io::{
+    Features, Metadata, RenderOutput, RenderedImage, check_writable, read_exr, write_exr,
+};
+
+pub(crate) use check::Refusal;
+
+/// The command line.
+#[derive(Debug, Args)]
+pub(crate) struct MergeArguments {
+    /// The images: of one scene, integrator and size, and of different seeds (or different passes
+    /// of a seed). A merge may be merged again.
+    #[arg(value_name = "PART.exr", required = true, num_args = 2..)]
+    parts: Vec<PathBuf>,
+    /// The merged image.
+    #[arg(short, long, value_name = "OUT.exr", value_parser = exr)]
+    output: PathBuf,
+}
+
+/// Averages images and writes the result.
+pub(crate) fn run(arguments: &MergeArguments) -> Result<(), Error> {
+    check_writable(&arguments.output)?;
+    let (first, rest) = (&arguments.parts[0], &arguments.parts[1..]);
+    let image = read_exr(first)?;
+    match image.radiance.len() {
+        1 => merge::<f32>(first, &image, rest, &arguments.output),
+        _ => merge::<Rgb>(first, &image, rest, &arguments.output),
+    }
+}
+
+/// Adds the other parts to the first, one in memory at a time.
+fn merge<S: Spectrum>(
+    first_path: &Path,
+    first: &RenderedImage,
+    rest: &[PathBuf],
+    output: &Path,
+) -> Result<(), Error> {
+    let mut film = film::<S>(first_path, first)?;
+    let mut features = first.features.clone();
+    let mut parts = vec![(first_path, first.metadata.clone())];
+    for path in rest {
+        let image = read_exr(path)?;
+        same_picture((first_path, first), (path, &image))?;
+        for (other, metadata) in &parts {
+            independent((other, metadata), (path, &image.metadata))?;
+        }
+        film.merge(&self::film(path, &image)?)?;
+        if let (Some(ours), Some(theirs)) = (&mut features, &image.features) {
+            let share = image.metadata.passes as f64 / film.passes() as f64;
+            average(ours, theirs, share as f32);
+        }
+        parts.push((path, image.metadata));
+    }
+    let [width, height] = film.resolution();
+    write_exr(
+        output,
+        &RenderOutput {
+            width,
+            height,
+            radiance: &spectra::<S>(film.mean().to_vec()),
+            variance: &spectra::<S>(film.variance_of_mean().collect()),
+            features: features.as_ref(),
+            view: first.view.as_ref(),
+            metadata: &described(parts.into_iter().map(|(_, metadata)| metadata).collect()),
+        },
+    )?;
+    message(&format!(
+        "{}: {} passes of {} images, relative error {:.2} %",
+        output.display(),
+        film.passes(),
+        rest.len() + 1,
+        100.0 * film.relative_error(),
+    ));
+    Ok(())
+}
+
+/// The passes behind an image.
+fn film<S: Spectrum>(path: &Path, image: &RenderedImage) -> Result<Film<S>, Refusal> {
+    let variance = check::marked(path, image)?;
+    let interleaved = |planes: &[Vec<f32>]| -> Vec<f64> {
+        let pixels = 0..planes[0].len();
+        pixels
+            .flat_map(|i| planes.iter().map(move |plane| f64::from(plane[i])))
+            .collect()
+    };
+    Ok(Film::from_image(
+        [image.width, image.height],
+        image.metadata.passes,
+        interleaved(&image.radiance),
+        &interleaved(variance),
+    ))
+}
+
+/// How the merge came to be.
+fn described(parts: Vec<Metadata>) -> Metadata {
+    let mut notes: Vec<String> = Vec::new();
+    for note in parts.iter().flat_map(|part| &part.notes) {
+        if !notes.contains(note) {
+            notes.push(note.clone());
+        }
+    }
+    let mut merged = Metadata {
+        seconds: parts.iter().map(|part| part.seconds).sum(),
+        version: env!("CARGO_PKG_VERSION").into(),
+        notes,
+        ..parts[0].clone()
+    };
+    merged.set_pass_ranges(parts.iter().flat_map(Metadata::pass_ranges).collect());
+    merged
+}
+
+/// Moves features towards those of another part, which has this share of the samples. Depth is a
+/// mean over what was met: where one part met nothing, it is that of the other.
+fn average(ours: &mut Features, theirs: &Features, share: f32) {
+    for (ours, theirs) in ours.albedo.iter_mut().zip(&theirs.albedo) {
+        *ours += (*theirs - *ours) * share;
+    }
+    for (ours, theirs) in ours.normal.iter_mut().zip(&theirs.normal) {
+        *ours += (*theirs - *ours) * share;
+    }
+    for (ours, theirs) in ours.depth.iter_mut().zip(&theirs.depth) {
+        if ours.is_infinite() {
+            *ours = *theirs;
+        } else if theirs.is_finite() {
+            *ours += (*theirs - *ours) * share;
+        }
+    }
+}
+
+fn spectra<S: Spectrum>(values: Vec<f64>) -> Vec<S> {
+    let pixels = values.chunks_exact(S::CHANNELS);
+    pixels
+        .map(|pixel| S::from_channels(|i| pixel[i] as f32))
+        .collect()
+}
