@@ -149,6 +149,14 @@ impl<S: Spectrum> Scene<S> {
         (hit.presence == Presence::There).then(|| look.bsdf(&self.surfaces, &hit.shape))
     }
 
+    /// Whether a texture or a hole keeps a point of a light from emitting: it is never sampled.
+    fn is_dark(&self, at: &Anchor<Hit>) -> bool {
+        let Anchor::Surface(hit) = at else {
+            return false;
+        };
+        self.look(hit.shape.shape).maps.is_some() && self.radiance(&hit.shape).is_black()
+    }
+
     /// Radiance on the side of the normal.
     fn radiance(&self, hit: &ShapeHit) -> S {
         self.look(hit.shape).radiance(&self.surfaces, hit)
@@ -266,10 +274,16 @@ impl<S: Spectrum> LightDirect for Scene<S> {
 
 impl<S: Spectrum> LightPdf for Scene<S> {
     fn pdf_direct_w(&self, from: Vec3, to: &Anchor<Hit>) -> f32 {
+        if self.is_dark(to) {
+            return 0.0;
+        }
         self.lights.pdf_direct_w(from, to, &self.surfaces)
     }
 
     fn pdf_emission(&self, at: &Anchor<Hit>, direction: Vec3) -> EmissionPdf {
+        if self.is_dark(at) {
+            return EmissionPdf::default();
+        }
         self.lights.pdf_emission(at, direction, &self.surfaces)
     }
 }

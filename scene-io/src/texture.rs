@@ -91,11 +91,14 @@ impl Texture {
                 Texels::Eight(t) => decode::is_grey(t),
                 Texels::Sixteen(t) => decode::is_grey(t),
             },
+            has_alpha: match &texels {
+                Texels::Eight(t) => t.iter().any(|t| t[3] != u8::MAX),
+                Texels::Sixteen(t) => t.iter().any(|t| t[3] != u16::MAX),
+            },
             texels,
             space,
             wrap: [Wrap::default(); 2],
             filter: Filter::default(),
-            has_alpha: color.has_alpha(),
         }
     }
 
@@ -118,7 +121,7 @@ impl Texture {
         self.is_grey
     }
 
-    /// Whether the file has an alpha channel.
+    /// Whether some texel is not opaque.
     pub(crate) fn has_alpha(&self) -> bool {
         self.has_alpha
     }

@@ -5,6 +5,7 @@
 #[path = "support/sky.rs"]
 mod sky;
 
+use image::{ImageBuffer, Rgb as Rgb8};
 use sky::Sky;
 use std::f32::consts::PI;
 use std::path::Path;
@@ -95,6 +96,57 @@ balls! {
     parchment: "kind = 'metallic_roughness'\n base_color = 0.8\n roughness = 0.7\n transmission = 0.4\n thin = true";
     pane: "kind = 'metallic_roughness'\n base_color = 0.8\n roughness = 0\n transmission = 1\n thin = true";
     everything: "kind = 'metallic_roughness'\n base_color = 0.7\n roughness = 0.3\n metallic = 0.3\n transmission = 0.5\n ior = 1.8";
+}
+
+/// A ball whose every property comes from a texture, with a relief that is weak for the
+/// same reason as in [`roof`], under a lamp of bands.
+fn painted() -> Scene<f32> {
+    static FOLDER: OnceLock<String> = OnceLock::new();
+    let folder = FOLDER.get_or_init(|| {
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("painted");
+        std::fs::create_dir_all(&folder).unwrap();
+        let noise = |x: u32, y: u32, c: u32| (x * 97 + y * 57 + c * 131) as u8;
+        let image = ImageBuffer::from_fn(8, 8, |x, y| Rgb8([0, 1, 2].map(|c| noise(x, y, c))));
+        image.save(folder.join("noise.png")).unwrap();
+        let relief = ImageBuffer::from_fn(8, 8, |x, y| {
+            Rgb8([96 + noise(x, y, 0) / 4, 96 + noise(x, y, 1) / 4, 240])
+        });
+        relief.save(folder.join("relief.png")).unwrap();
+        let bands = ImageBuffer::from_fn(3, 1, |x, _| Rgb8([[255_u8, 0, 255][x as usize]; 3]));
+        bands.save(folder.join("bands.png")).unwrap();
+        folder.display().to_string()
+    });
+    scene(&format!(
+        "
+        [materials.lamp]
+        kind = 'diffuse'
+        reflectance = 0
+        emission = {{ file = '{folder}/bands.png', filter = 'nearest', factor = 3 }}
+        [materials.it]
+        kind = 'metallic_roughness'
+        base_color = {{ file = '{folder}/noise.png', factor = 0.5 }}
+        metallic_roughness = {{ file = '{folder}/noise.png', scale = 2 }}
+        transmission = {{ file = '{folder}/noise.png', factor = 0.5, rotation = 30 }}
+        normal_map = {{ file = '{folder}/relief.png', scale = [4, 2], strength = 0.2 }}
+        [[shapes]]
+        kind = 'sphere'
+        center = [0, 0, 0]
+        radius = 1
+        material = 'it'
+        [[shapes]]
+        kind = 'quad'
+        corner = [-1, 2, -1]
+        edge_u = [2, 0, 0]
+        edge_v = [0, 0, 2]
+        material = 'lamp'
+        "
+    ))
+}
+
+host_conformance! {
+    name: painted,
+    host: painted(),
+    power: PI * 4.0 * 3.0 * 2.0 / 3.0,
 }
 
 /// A coloured room whose lights are all of those that rays cannot find, and one mesh of each kind.

@@ -173,7 +173,7 @@ impl Reader<'_> {
             if matches!(kind, "quad" | "disk") && self.materials[material].bsdf.transmits() {
                 return Err(field.error(format!(
                     "light enters {:?}, so that the shape must be closed, which a {kind} is not: \
-                     use a box, or a diffuse, mirror or conductor material",
+                     use a box, or a material that is `thin` or opaque",
                     self.names[material]
                 )));
             }

@@ -21,8 +21,9 @@ const INDICES: usize = 20;
 const MIN_ALPHA: f32 = 1e-3;
 /// (η − 1)/(η + 1) at the last index.
 const LAST_INDEX: f32 = 0.98;
-/// Points of the quadrature along both random numbers of a facet.
-const POINTS: [usize; 2] = [24, 8];
+/// Points of the quadrature over facets, which is Roberts' sequence R₂ (2018), and its steps.
+const POINTS: u16 = 512;
+const STEPS: [f32; 2] = [0.754_877_7, 0.569_840_3];
 /// Points of a mean over cosines.
 const MEAN_POINTS: u16 = 1024;
 
@@ -97,11 +98,15 @@ impl Albedo {
     }
 
     fn interpolate(&self, at: impl Fn(&Row) -> f32) -> f32 {
-        let [first, second] = self.tables.map(|table| {
+        let in_table = |table: &Table| {
             let rows = [&table[self.row], &table[self.row + 1]];
             mix(at(rows[0]), at(rows[1]), self.row_weight)
-        });
-        mix(first, second, self.table_weight)
+        };
+        let first = in_table(self.tables[0]);
+        if self.table_weight == 0.0 {
+            return first;
+        }
+        mix(first, in_table(self.tables[1]), self.table_weight)
     }
 
     /// The share of light arriving at this cosine that the first facet reflects.
@@ -194,14 +199,15 @@ fn shares(cosine: f32, alpha: f32, eta: Option<f32>) -> Shares {
     let wo = Vec3::new((1.0 - cosine * cosine).max(0.0).sqrt(), 0.0, cosine);
     let g1 = ggx::g1(wo, alpha);
     let passes = |wi: Vec3| f64::from(ggx::g2(wo, wi, alpha) / g1);
-    let [rings, spokes] = POINTS;
-    let [mut reflected, mut transmitted] = [0.0_f64; 2];
-    for i in 0..rings * spokes {
-        // Rings close up to the rim, where the steepest facets are.
-        let inward = 1.0 - ((i / spokes) as f32 + 0.5) / rings as f32;
-        let weight = f64::from(2.0 * inward) / (rings * spokes) as f64;
+    let [mut reflected, mut transmitted, mut all] = [0.0_f64; 3];
+    for i in 0..POINTS {
+        let [x, y] = STEPS.map(|step| (f32::from(i) * step + 0.5).fract());
+        // Dense at the rim, where the steepest facets are.
+        let inward = 1.0 - x;
+        let weight = f64::from(inward);
+        all += weight;
         // Half of the facets: the others are their mirror images.
-        let turn = ((i % spokes) as f32 + 0.5) / (2 * spokes) as f32 - 0.25;
+        let turn = 0.5 * y - 0.25;
         let h = ggx::sample_visible(wo, alpha, [1.0 - inward * inward, turn]);
         let cos = wo.dot(h).clamp(0.0, 1.0);
         let reflectance = eta.map_or(1.0, |eta| fresnel_dielectric(cos, eta));
@@ -217,8 +223,8 @@ fn shares(cosine: f32, alpha: f32, eta: Option<f32>) -> Shares {
         }
     }
     Shares {
-        reflected: reflected as f32,
-        trapped: (1.0 - reflected - transmitted).max(0.0) as f32,
+        reflected: (reflected / all) as f32,
+        trapped: (1.0 - (reflected + transmitted) / all).max(0.0) as f32,
     }
 }
 

@@ -5,7 +5,7 @@ use glam::Vec3;
 use tyndall_core::PathFrom;
 
 /// What tables may be wrong by, as the README says.
-const TABLES: f64 = 0.005;
+const TABLES: f64 = 0.01;
 /// The same where part of the light inside of a body meets its diffuse base.
 const INSIDE: f64 = 0.02;
 /// Points of the quadrature, which is Roberts' sequence R₃ (2018), and an error far above its own.
