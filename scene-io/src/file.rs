@@ -64,13 +64,7 @@ pub(crate) fn parse_document(
     text: &str,
     overrides: &[(String, String)],
 ) -> Result<Node, Error> {
-    overridden(
-        document::parse(&path.display().to_string(), text)?,
-        overrides,
-    )
-}
-
-fn overridden(mut root: Node, overrides: &[(String, String)]) -> Result<Node, Error> {
+    let mut root = document::parse(&path.display().to_string(), text)?;
     for (key, value) in overrides {
         overrides::apply(&mut root, key, value)?;
     }

@@ -126,7 +126,7 @@ fn coloured<'a>(headers: &[Header], channels: &'a [&'static str]) -> Vec<Layer<'
                 _ => continue,
             };
             let has = |channel: &&str| index(header, &join(prefix, channel)).is_some();
-            let grey_of_colours = channels.len() == 1 && RGB.iter().all(&has);
+            let grey_of_colours = channels.len() == 1 && RGB.iter().all(has);
             let feature = FEATURES.contains(&prefix) || prefix == "samples" || prefix == "normal";
             if channels.iter().all(has) && !grey_of_colours && !feature {
                 layers.push(Layer {
