@@ -120,7 +120,10 @@ fn weights<S: Spectrum>(lights: &[Light<S>], world: World) -> Vec<f64> {
 #[derive(Clone, Debug)]
 pub(crate) struct Lights<S> {
     lights: Vec<Light<S>>,
-    choice: Choice,
+    /// Which light emits.
+    emitting: Choice,
+    /// Which light is sampled directly: none that scattering finds as well.
+    direct: Choice,
     /// Index of the light that primitive 0 of a shape is.
     first_of_shape: Vec<Option<usize>>,
     environment: Option<usize>,
@@ -142,8 +145,12 @@ impl<S: Spectrum> Lights<S> {
         }
         let is_environment = |l: &Light<S>| matches!(l.source, Source::Environment(_));
         let environment = lights.iter().position(is_environment);
+        let weights = weights(&lights, world);
+        let direct = (lights.iter().zip(&weights))
+            .map(|(light, weight)| if light.is_even() { 0.0 } else { *weight });
         Self {
-            choice: Choice::new(weights(&lights, world).into_iter()),
+            emitting: Choice::new(weights.iter().copied()),
+            direct: Choice::new(direct),
             environment,
             lights,
             first_of_shape,
@@ -177,7 +184,7 @@ impl<S: Spectrum> Lights<S> {
         radiance: impl Fn(&ShapeHit) -> S,
         locate: impl Fn(Vec3) -> MediumId,
     ) -> Option<EmissionSample<S, Hit>> {
-        let (i, pmf) = self.choice.sample(u0)?;
+        let (i, pmf) = self.emitting.sample(u0)?;
         let (world, ambient) = (self.world, self.ambient);
         let light = &self.lights[i];
         let sample = match &light.source {
@@ -209,7 +216,7 @@ impl<S: Spectrum> Lights<S> {
         surfaces: &Surfaces,
         radiance: impl Fn(&ShapeHit) -> S,
     ) -> Option<DirectSample<S, Hit>> {
-        let (i, pmf) = self.choice.sample(u0)?;
+        let (i, pmf) = self.direct.sample(u0)?;
         let light = &self.lights[i];
         let sample = match &light.source {
             Source::Point(light) => light.sample_direct(from),
@@ -219,13 +226,14 @@ impl<S: Spectrum> Lights<S> {
             Source::Area(light) => light.sample_direct(from, [u1, u2], surfaces)?,
             Source::Environment(light) => light.sample_direct([u1, u2, u3], self.world)?,
         };
+        let emitting = self.emitting.pmf(i);
         let weight = self.colour(i, &sample.target, radiance) * (sample.weight / pmf);
         (weight.is_finite() && !weight.is_black()).then_some(DirectSample {
             target: sample.target,
             wi: sample.wi,
             weight,
             pdf_w: sample.pdf_w * pmf,
-            emission: chosen(sample.emission, pmf),
+            emission: chosen(sample.emission, emitting),
             cos_theta: sample.cos_theta,
             kind: sample.kind,
         })
@@ -242,7 +250,7 @@ impl<S: Spectrum> Lights<S> {
 
     /// See [`tyndall_core::LightDirect::pivot`].
     pub(crate) fn pivot(&self, ray: &Ray, u: [f32; 4], surfaces: &Surfaces) -> Option<Vec3> {
-        let (i, _) = self.choice.sample(u[0])?;
+        let (i, _) = self.direct.sample(u[0])?;
         match &self.lights[i].source {
             Source::Point(light) => Some(light.position),
             Source::Spot(light) => Some(light.position),
@@ -252,21 +260,21 @@ impl<S: Spectrum> Lights<S> {
         }
     }
 
-    /// The environment, and the probability of its choice.
-    fn environment(&self) -> Option<(&Environment, f32)> {
+    /// The environment, and its index.
+    fn environment(&self) -> Option<(&Environment, usize)> {
         let i = self.environment?;
         match &self.lights[i].source {
-            Source::Environment(environment) => Some((environment, self.choice.pmf(i))),
+            Source::Environment(environment) => Some((environment, i)),
             _ => None,
         }
     }
 
-    /// The light that a hit lies on, and the probability of its choice.
-    fn area_at(&self, hit: &Hit) -> Option<(&Area, f32)> {
+    /// The light that a hit lies on, and its index.
+    fn area_at(&self, hit: &Hit) -> Option<(&Area, usize)> {
         let i =
             (*self.first_of_shape.get(hit.shape.shape as usize)?)? + hit.shape.primitive as usize;
         match &self.lights[i].source {
-            Source::Area(area) => Some((area, self.choice.pmf(i))),
+            Source::Area(area) => Some((area, i)),
             _ => None,
         }
     }
@@ -276,11 +284,11 @@ impl<S: Spectrum> Lights<S> {
             Anchor::Point(_) => 0.0,
             Anchor::Direction(w) => {
                 let environment = self.environment();
-                environment.map_or(0.0, |(light, pmf)| pmf * light.pdf_w(*w))
+                environment.map_or(0.0, |(light, i)| self.direct.pmf(i) * light.pdf_w(*w))
             }
-            Anchor::Surface(hit) => self
-                .area_at(hit)
-                .map_or(0.0, |(_, pmf)| pmf * surfaces.pdf_from_w(&hit.shape, from)),
+            Anchor::Surface(hit) => self.area_at(hit).map_or(0.0, |(_, i)| {
+                self.direct.pmf(i) * surfaces.pdf_from_w(&hit.shape, from)
+            }),
         }
     }
 
@@ -292,18 +300,27 @@ impl<S: Spectrum> Lights<S> {
     ) -> EmissionPdf {
         let pdf = match at {
             Anchor::Point(_) => None,
-            Anchor::Direction(w) => (self.environment())
-                .map(|(light, pmf)| chosen(light.pdf_emission(*w, self.world), pmf)),
-            Anchor::Surface(hit) => self.area_at(hit).map(|(area, pmf)| {
+            Anchor::Direction(w) => {
+                (self.environment()).map(|(light, i)| (light.pdf_emission(*w, self.world), i))
+            }
+            Anchor::Surface(hit) => self.area_at(hit).map(|(area, i)| {
                 let normal = surfaces.surface(&hit.shape).geometric_normal;
-                chosen(area.pdf_emission(direction.dot(normal)), pmf)
+                (area.pdf_emission(direction.dot(normal)), i)
             }),
         };
-        pdf.unwrap_or_default()
+        pdf.map_or_else(EmissionPdf::default, |(pdf, i)| {
+            chosen(pdf, self.emitting.pmf(i))
+        })
     }
 }
 
 impl<S: Spectrum> Light<S> {
+    /// Whether it comes alike from everywhere: scattering then finds it as well as any sampling of
+    /// directions does, and finds it without a connection.
+    fn is_even(&self) -> bool {
+        matches!(self.source, Source::Environment(Environment::Constant))
+    }
+
     fn power(&self, world: World) -> S {
         let power = match &self.source {
             Source::Point(light) => light.power(),

@@ -1,9 +1,13 @@
 //! Wavefront OBJ and MTL files.
 
+mod check;
+
 use crate::Error;
 use glam::{DVec2, DVec3, Vec2, Vec3};
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::Path;
+use tobj::LoadError;
 
 /// The faces of one material in an OBJ file.
 #[derive(Clone, Debug, Default)]
@@ -43,16 +47,30 @@ pub(crate) fn read(path: &Path) -> Result<Obj, Error> {
         ignore_lines: true,
     };
     let folder = path.parent().unwrap_or(Path::new(""));
-    let load_mtl = |mtl: &Path| tobj::load_mtl(folder.join(mtl));
+    let complaint = RefCell::new(None);
+    let load_mtl = |mtl: &Path| {
+        let bytes = std::fs::read(folder.join(mtl)).map_err(|_| LoadError::OpenFileFailed)?;
+        if let Err(why) = check::mtl(&bytes) {
+            complaint.replace(Some(why));
+            return Err(LoadError::MaterialParseError);
+        }
+        tobj::load_mtl_buf(&mut bytes.as_slice())
+    };
+    check::obj(&bytes).map_err(problem)?;
     let loaded = tobj::load_obj_buf(&mut bytes.as_slice(), &options, load_mtl);
     let (models, materials) = loaded.map_err(|e| problem(format!("is no OBJ file: {e}")))?;
     let (materials, mtl_problem) = match materials {
         Ok(materials) => (materials, None),
-        Err(e) => (Vec::new(), Some(format!("its MTL file is unusable: {e}"))),
+        Err(e) => {
+            let why = complaint.take().unwrap_or_else(|| e.to_string());
+            (Vec::new(), Some(format!("its MTL file is unusable: {why}")))
+        }
     };
     let mut groups = BTreeMap::new();
     for model in models {
-        let name = model.mesh.material_id.map(|m| materials[m].name.clone());
+        // Of two MTL files, one may be usable: then there are none, and the faces have no name.
+        let material = model.mesh.material_id.and_then(|m| materials.get(m));
+        let name = material.map(|m| m.name.clone());
         let group: &mut Group = groups.entry(name.unwrap_or_default()).or_default();
         group.append(&model.mesh).map_err(problem)?;
     }

@@ -142,26 +142,32 @@ fn pivots_are_where_light_matters() {
 }
 
 #[test]
-fn a_lamp_is_sampled_at_its_pivot() {
-    let lamp = "[[shapes]]\nkind = 'sphere'\ncenter = [2, 2, 0]\nradius = 0.5\nmaterial = 'wall'\nemission = 4";
-    let scene = scene(lamp);
-    let ray = Ray::new(Vec3::ZERO, Vec3::X);
-    let mut sampler = rng(3);
-    for _ in 0..100 {
-        let u = sampler.next();
-        let Some(direct) = scene.sample_direct(ray.origin, u) else {
-            continue;
-        };
-        let Anchor::Surface(hit) = &direct.target else {
-            panic!("{direct:?}");
-        };
-        assert_eq!(scene.pivot(&ray, u), Some(scene.surface(hit).position));
-        assert!(
-            (direct.weight * direct.pdf_w - Rgb::splat(4.0))
-                .map(f32::abs)
-                .max_channel()
-                < 1e-3
-        );
+fn a_lamp_is_sampled_at_its_pivot_and_a_round_one_around_it() {
+    let square = "kind = 'quad'\ncorner = [2, 2, -1]\nedge_u = [0, 0, 2]\nedge_v = [2, 0, 0]";
+    let round = "kind = 'sphere'\ncenter = [2, 2, 0]\nradius = 0.5";
+    for (lamp, center) in [(square, None), (round, Some(Vec3::new(2.0, 2.0, 0.0)))] {
+        let scene = scene(&format!(
+            "[[shapes]]\n{lamp}\nmaterial = 'wall'\nemission = 4"
+        ));
+        let ray = Ray::new(Vec3::ZERO, Vec3::X);
+        let mut sampler = rng(3);
+        let mut found = 0;
+        for _ in 0..100 {
+            let u = sampler.next();
+            let Some(direct) = scene.sample_direct(ray.origin, u) else {
+                continue;
+            };
+            found += 1;
+            let Anchor::Surface(hit) = &direct.target else {
+                panic!("{direct:?}");
+            };
+            let expected = center.unwrap_or(scene.surface(hit).position);
+            assert_eq!(scene.pivot(&ray, u), Some(expected));
+            let radiance = direct.weight * direct.pdf_w;
+            let off = (radiance - Rgb::splat(4.0)).map(f32::abs);
+            assert!(off.max_channel() < 1e-3);
+        }
+        assert!(found > 40, "{lamp}: {found}");
     }
 }
 

@@ -7,7 +7,7 @@ use tyndall_core::Spectrum;
 use tyndall_scene_io::{Metadata, RenderOutput, write_exr};
 
 /// Runs the command in a folder.
-pub fn tyndall(folder: &TempDir, arguments: &[&str]) -> Output {
+pub(crate) fn tyndall(folder: &TempDir, arguments: &[&str]) -> Output {
     Command::cargo_bin("tyndall")
         .expect("the command is built")
         .current_dir(folder)
@@ -16,20 +16,20 @@ pub fn tyndall(folder: &TempDir, arguments: &[&str]) -> Output {
         .expect("the command runs")
 }
 
-pub fn said(output: &Output) -> String {
+pub(crate) fn said(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
 /// All of an image but its radiance.
 #[derive(Clone)]
-pub struct Picture {
-    pub size: [u32; 2],
-    pub variance: Vec<f32>,
-    pub metadata: Metadata,
+pub(crate) struct Picture {
+    pub(crate) size: [u32; 2],
+    pub(crate) variance: Vec<f32>,
+    pub(crate) metadata: Metadata,
 }
 
 impl Picture {
-    pub fn new(size: [u32; 2]) -> Self {
+    pub(crate) fn new(size: [u32; 2]) -> Self {
         Self {
             size,
             variance: vec![0.0; (size[0] * size[1]) as usize],
@@ -44,19 +44,19 @@ impl Picture {
     }
 
     /// With passes `first` to `first + count − 1` of a seed.
-    pub fn passes(mut self, seed: u64, first: u64, count: u64) -> Self {
+    pub(crate) fn passes(mut self, seed: u64, first: u64, count: u64) -> Self {
         let metadata = &mut self.metadata;
         (metadata.seed, metadata.first_pass, metadata.passes) = (seed, first, count);
         self
     }
 
     /// With this variance of the mean in every channel.
-    pub fn variance(mut self, variance: &[f32]) -> Self {
+    pub(crate) fn variance(mut self, variance: &[f32]) -> Self {
         self.variance = variance.to_vec();
         self
     }
 
-    pub fn write<S: Spectrum>(&self, folder: &TempDir, name: &str, radiance: &[S]) {
+    pub(crate) fn write<S: Spectrum>(&self, folder: &TempDir, name: &str, radiance: &[S]) {
         let variance: Vec<S> = self.variance.iter().map(|&v| S::splat(v)).collect();
         let output = RenderOutput {
             width: self.size[0],

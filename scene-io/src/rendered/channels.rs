@@ -84,7 +84,10 @@ fn picture(headers: &[Header]) -> Result<Layer<'_>, String> {
             listed(headers.iter().flat_map(names))
         )),
         _ => {
-            let prefixes = layers.iter().map(|layer| layer.prefix.clone());
+            let prefixes = layers.iter().map(|layer| {
+                let part = part_name(&headers[layer.part]);
+                join(&part, &layer.prefix).trim_end_matches('.').to_owned()
+            });
             Err(format!(
                 "the picture may be any of the layers {}: write it as R, G, B without a prefix",
                 listed(prefixes)
@@ -100,8 +103,7 @@ fn chroma(header: &Header, layer: &Layer<'_>) -> bool {
 
 /// 0 for a picture without a prefix, 1 for one called so, 2 for what may be one.
 fn rank(headers: &[Header], layer: &Layer<'_>) -> u8 {
-    let part = &headers[layer.part].own_attributes.layer_name;
-    let part = part.as_ref().map(ToString::to_string).unwrap_or_default();
+    let part = part_name(&headers[layer.part]);
     let called = |name: &str| {
         let last = name.rsplit('.').next().unwrap_or(name).to_lowercase();
         PICTURES.contains(&last.as_str())
@@ -113,6 +115,12 @@ fn rank(headers: &[Header], layer: &Layer<'_>) -> u8 {
         prefix if called(prefix) => 1,
         _ => 2,
     }
+}
+
+/// Empty if the part has none.
+fn part_name(header: &Header) -> String {
+    let name = &header.own_attributes.layer_name;
+    name.as_ref().map(ToString::to_string).unwrap_or_default()
 }
 
 /// The layers that have all channels of these names.
