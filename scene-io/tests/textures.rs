@@ -244,17 +244,17 @@ fn alpha_is_the_share_that_is_there() {
 }
 
 /// A lamp with bands of linear radiance 1, 0, 0.5 and 0.25 times 3.
-fn lamp() -> Scene<f32> {
+fn lamp(test: &str) -> Scene<f32> {
     let grey = |x: u8| [x, x, x, 255];
     // 188 and 137 encode 0.5029 and 0.2502.
     write8(
-        "lamp",
+        test,
         "bands.png",
         4,
         &[grey(255), grey(0), grey(188), grey(137)],
     );
     scene(
-        "lamp",
+        test,
         &square(
             "kind = 'diffuse'\nreflectance = 0\n\
              emission = { file = 'bands.png', filter = 'nearest', factor = 3 }",
@@ -266,7 +266,7 @@ const BANDS: [f64; 4] = [3.0, 0.0, 3.0 * 0.502_886_5, 3.0 * 0.250_158_3];
 
 #[test]
 fn a_textured_lamp_lights_as_its_texture_says() {
-    let lamp = lamp();
+    let lamp = lamp("irradiance");
     let (from, normal) = (
         Vec3::new(0.1, 0.3, 0.6),
         Vec3::new(0.2, 0.1, -1.0).normalize(),
@@ -293,7 +293,7 @@ fn a_textured_lamp_lights_as_its_texture_says() {
 
 #[test]
 fn a_textured_lamp_emits_the_power_of_its_texture() {
-    let lamp = lamp();
+    let lamp = lamp("power");
     let expected = std::f64::consts::PI * BANDS.iter().sum::<f64>() / 4.0;
     let mut sampler = rng(3);
     let flux: Moments = (0..100_000)
@@ -488,10 +488,9 @@ fn textures_that_are_none_are_named() {
     assert!(unknown.contains("did you mean `file`"), "{unknown}");
 }
 
-/// The hit of a texture coordinate is that of the surface: bands of a lamp are where they shine.
 #[test]
 fn emission_is_seen_where_it_is() {
-    let lamp = lamp();
+    let lamp = lamp("seen");
     for (i, band) in BANDS.iter().enumerate() {
         let uv = Vec2::new((i as f32 + 0.5) / 4.0, 0.5);
         let emitted = lamp.emitted(&hit(&lamp, uv.x, uv.y), Vec3::Z);

@@ -8,6 +8,8 @@ use tyndall_core::PathFrom;
 const TABLES: f64 = 0.01;
 /// The same where part of the light inside of a body meets its diffuse base.
 const INSIDE: f64 = 0.02;
+/// The same where indices differ by less than 0.05.
+const NEARLY_EQUAL: f64 = 0.05;
 /// Points of the quadrature, which is Roberts' sequence R₃ (2018), and an error far above its own.
 const POINTS: u32 = 1 << 17;
 const QUADRATURE: f64 = 0.001;
@@ -110,6 +112,17 @@ fn glass_of_any_index_sends_on_all_light() {
                 &BOTH,
                 TABLES,
             );
+        }
+    }
+}
+
+#[test]
+fn glass_of_nearly_the_same_index_sends_on_all_light() {
+    for ior in [0.96, 0.99, 1.002, 1.01, 1.03] {
+        for roughness in [0.1, 0.3, 0.6, 1.0] {
+            let glass = Bsdf::MetallicRoughness(MetallicRoughness::glass(ior, roughness));
+            let name = format!("ior {ior}, roughness {roughness}");
+            check(&name, &glass, ior, &BOTH, NEARLY_EQUAL);
         }
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! Walter, Marschner, Li & Torrance (2007), "Microfacet Models for Refraction through Rough
 //! Surfaces"; visible normals after Heitz (2018), "Sampling the GGX Distribution of Visible
-//! Normals". Light that bounces between facets is not modelled: the README says what is lost.
+//! Normals". Light that bounces between facets is not part of it: see [`super::albedo`].
 
 use glam::Vec3;
 use std::f32::consts::{FRAC_1_PI, TAU};
