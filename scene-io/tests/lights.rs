@@ -3,8 +3,8 @@
 use glam::Vec3;
 use std::path::Path;
 use tyndall_core::{
-    Anchor, EmissionSample, Geometry, LightDirect, LightEmission, LightKind, Ray, Rgb, Sampler,
-    Spectrum,
+    Anchor, EmissionSample, Geometry, LightDirect, LightEmission, LightKind, LightPdf, Ray, Rgb,
+    Sampler, Shading, Spectrum,
 };
 use tyndall_scene_io::{Hit, Scene, SceneFile};
 use tyndall_testkit::rng;
@@ -143,7 +143,7 @@ fn pivots_are_where_light_matters() {
 
 #[test]
 fn a_lamp_is_sampled_at_its_pivot_and_a_round_one_around_it() {
-    let square = "kind = 'quad'\ncorner = [2, 2, -1]\nedge_u = [0, 0, 2]\nedge_v = [2, 0, 0]";
+    let square = "kind = 'quad'\ncorner = [2, 2, -1]\nedge_u = [2, 0, 0]\nedge_v = [0, 0, 2]";
     let round = "kind = 'sphere'\ncenter = [2, 2, 0]\nradius = 0.5";
     for (lamp, center) in [(square, None), (round, Some(Vec3::new(2.0, 2.0, 0.0)))] {
         let scene = scene(&format!(
@@ -172,7 +172,7 @@ fn a_lamp_is_sampled_at_its_pivot_and_a_round_one_around_it() {
 }
 
 #[test]
-fn a_lamp_is_found_under_a_sky_over_a_wide_ground() {
+fn a_lamp_is_found_beside_a_sun_over_a_wide_ground() {
     let wide = "
         [[shapes]]
         kind = 'quad'
@@ -184,14 +184,38 @@ fn a_lamp_is_found_under_a_sky_over_a_wide_ground() {
         kind = 'point'
         position = [0, 2, 0]
         power = 100
+        [[lights]]
+        kind = 'directional'
+        direction = [0, -1, 0]
+        irradiance = 0.001";
+    // Half of them, within six standard errors: a false alarm of 2e-9.
+    let lamps = lamps_in_a_thousand(&scene(wide));
+    assert!((405..=595).contains(&lamps), "{lamps}");
+}
+
+#[test]
+fn an_even_sky_is_left_to_scattering() {
+    let point = "
+        [[lights]]
+        kind = 'point'
+        position = [0, 2, 0]
+        power = 0.1
         [environment]
-        radiance = 0.001";
-    let scene = scene(wide);
+        radiance = 100";
+    let scene = scene(point);
+    assert_eq!(lamps_in_a_thousand(&scene), 1_000);
+    assert_eq!(
+        scene.pdf_direct_w(Vec3::ZERO, &Anchor::Direction(Vec3::Y)),
+        0.0
+    );
+    assert_eq!(scene.background(Vec3::X), Rgb::splat(100.0));
+}
+
+/// How many of a thousand samples of direct light find a point light.
+fn lamps_in_a_thousand(scene: &Scene<Rgb>) -> usize {
     let mut sampler = rng(1);
-    let lamps = (0..1_000)
+    (0..1_000)
         .filter_map(|_| scene.sample_direct(Vec3::ZERO, sampler.next()))
         .filter(|direct| direct.kind == LightKind::Point)
-        .count();
-    // Half of them, within six standard errors: a false alarm of 2e-9.
-    assert!((405..=595).contains(&lamps), "{lamps}");
+        .count()
 }
