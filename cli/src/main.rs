@@ -5,6 +5,7 @@ mod arguments;
 mod checkpoint;
 mod diff;
 mod failure;
+mod image;
 mod inspect;
 mod keeper;
 mod merge;

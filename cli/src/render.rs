@@ -3,18 +3,16 @@
 use crate::arguments::RenderArguments;
 use crate::checkpoint::{Checkpoint, Identity, fingerprint};
 use crate::failure::Error;
+use crate::image;
 use crate::keeper::Keeper;
 use crate::preview::Preview;
 use crate::progress::{Bar, message};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use tyndall_core::{AnyIntegrator, Rgb, Spectrum};
-use tyndall_driver::{Budget, Film, PassStreams, Render, Snapshot};
+use tyndall_driver::{Budget, PassStreams, Render, Snapshot};
 use tyndall_path::{Path, Scattering};
-use tyndall_scene_io::{
-    IntegratorConfig, Metadata, RenderOutput, Scene, SceneFile, check_writable, write_exr,
-    write_png,
-};
+use tyndall_scene_io::{IntegratorConfig, Metadata, Scene, SceneFile, check_writable};
 
 /// Passes where neither the command line nor the scene says how many.
 const PASSES: u64 = 64;
@@ -93,10 +91,10 @@ fn render<S: Spectrum>(
         passes: film.passes(),
         seconds: snapshot.elapsed().as_secs_f64(),
         version: env!("CARGO_PKG_VERSION").into(),
-        notes: notes(config, film, interrupted),
+        notes: image::notes(config, film, interrupted),
         ..Metadata::default()
     };
-    let written = write(arguments, film, &metadata);
+    let written = image::write(arguments, &scene, film, &metadata);
     if !interrupted && written.is_ok() {
         keeper.finish(message);
     } else if keeper.keep(&snapshot, message) {
@@ -183,7 +181,7 @@ fn integrator<S: Spectrum>(
     }
 }
 
-fn scattering(config: &IntegratorConfig) -> Scattering {
+pub(crate) fn scattering(config: &IntegratorConfig) -> Scattering {
     match config.scattering {
         tyndall_scene_io::Scattering::None => Scattering::None,
         tyndall_scene_io::Scattering::Single => Scattering::Single,
@@ -199,67 +197,4 @@ fn describe(name: &str, config: &IntegratorConfig) -> String {
         "{name}, max_depth {depth}, {:?} scattering in media",
         scattering(config)
     )
-}
-
-/// What a reader of the image must know.
-fn notes<S: Spectrum>(config: &IntegratorConfig, film: &Film<S>, interrupted: bool) -> Vec<String> {
-    let mut notes = Vec::new();
-    if let Some(depth) = config.max_depth {
-        notes.push(format!(
-            "biased: paths of more than {depth} scatterings are left out (max_depth)"
-        ));
-    }
-    match scattering(config) {
-        Scattering::Multiple => {}
-        Scattering::Single => {
-            notes.push("light that media scatter more than once is left out (scattering)".into())
-        }
-        Scattering::None => {
-            notes.push("light that media scatter is left out (scattering)".into());
-        }
-    }
-    if film.mean().iter().all(|value| *value == 0.0) {
-        notes.push("the image is black: no light was found".into());
-    }
-    if film.non_finite() > 0 {
-        notes.push(format!(
-            "{} samples were not finite and count as black: please report the scene",
-            film.non_finite()
-        ));
-    }
-    if interrupted {
-        notes.push("interrupted: the image holds the passes finished until then".into());
-    }
-    notes
-}
-
-/// Writes the EXR, then the PNG.
-fn write<S: Spectrum>(
-    arguments: &RenderArguments,
-    film: &Film<S>,
-    metadata: &Metadata,
-) -> Result<(), Error> {
-    let spectra = |values: Vec<f64>| -> Vec<S> {
-        values
-            .chunks_exact(S::CHANNELS)
-            .map(|pixel| S::from_channels(|i| pixel[i] as f32))
-            .collect()
-    };
-    let radiance = spectra(film.mean().to_vec());
-    let variance = spectra(film.variance_of_mean().collect());
-    let [width, height] = film.resolution();
-    let output = RenderOutput {
-        width,
-        height,
-        radiance: &radiance,
-        variance: &variance,
-        features: None,
-        view: None,
-        metadata,
-    };
-    write_exr(&arguments.output, &output)?;
-    if let Some(png) = &arguments.png {
-        write_png(png, &output, None)?;
-    }
-    Ok(())
 }
