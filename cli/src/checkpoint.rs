@@ -10,7 +10,7 @@ use std::io::{self, BufWriter, ErrorKind, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 use tyndall_core::Spectrum;
 use tyndall_driver::Snapshot;
-use tyndall_scene_io::{Backend, sources};
+use tyndall_scene_io::{Backend, SceneFile};
 
 const MAGIC: &[u8; 8] = b"TYNDALL\x1a";
 const FORMAT: u32 = 1;
@@ -29,16 +29,26 @@ pub(crate) struct Identity {
 
 /// A checksum of the bytes of all files of a scene, its overrides, and what traces its rays.
 pub(crate) fn fingerprint(
-    scene: &Path,
+    scene: &SceneFile,
     overrides: &[(String, String)],
 ) -> Result<[u8; 32], tyndall_scene_io::Error> {
     let mut hasher = blake3::Hasher::new();
-    for path in sources(scene, overrides)? {
-        let hashed = File::open(&path).and_then(|file| {
-            hasher.update(&file.metadata()?.len().to_le_bytes());
-            hasher.update_reader(file).map(drop)
-        });
-        hashed.map_err(|source| tyndall_scene_io::Error::Read { path, source })?;
+    for path in scene.sources() {
+        let hashed = match File::open(path) {
+            // A scene may do without the MTL files that it names.
+            Err(e) if e.kind() == ErrorKind::NotFound => {
+                hasher.update(&u64::MAX.to_le_bytes());
+                Ok(())
+            }
+            opened => opened.and_then(|file| {
+                hasher.update(&file.metadata()?.len().to_le_bytes());
+                hasher.update_reader(file).map(drop)
+            }),
+        };
+        hashed.map_err(|source| tyndall_scene_io::Error::Read {
+            path: path.clone(),
+            source,
+        })?;
     }
     let backend = format!("{:?}", Backend::default());
     let pairs = overrides.iter().flat_map(|(key, value)| [key, value]);

@@ -63,7 +63,7 @@ fn render<S: Spectrum>(
         &arguments.output,
         Identity {
             version: env!("CARGO_PKG_VERSION").into(),
-            scene: fingerprint(&arguments.scene, &arguments.set)?,
+            scene: fingerprint(file, &arguments.set)?,
             integrator: describe(name, config),
             seed: arguments.seed,
         },

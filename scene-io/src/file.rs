@@ -13,16 +13,17 @@ mod shape;
 mod texture;
 mod view;
 
-pub(crate) use document::{Node, Value};
 pub(crate) use material::{Material, MediumName};
 pub(crate) use shape::{Solid, around_points};
 pub use view::{IntegratorConfig, Scattering};
 
 use crate::camera::Camera;
+use crate::files::Files;
 use crate::light::Light;
 use crate::media::MediumDescription;
 use crate::spectrum::is_grey;
 use crate::{Error, Place, Scene};
+use document::Node;
 use glam::DVec3;
 use include::Included;
 use reader::{Field, Table};
@@ -46,6 +47,7 @@ pub struct SceneFile {
     pub(crate) origin: DVec3,
     integrator: IntegratorConfig,
     notices: Vec<String>,
+    sources: Vec<PathBuf>,
 }
 
 /// A shape, its material by index, and the radiance that it emits.
@@ -59,11 +61,7 @@ pub(crate) struct Part {
 }
 
 /// The tree of a scene file with its overrides.
-pub(crate) fn parse_document(
-    path: &Path,
-    text: &str,
-    overrides: &[(String, String)],
-) -> Result<Node, Error> {
+fn parse_document(path: &Path, text: &str, overrides: &[(String, String)]) -> Result<Node, Error> {
     let mut root = document::parse(&path.display().to_string(), text)?;
     for (key, value) in overrides {
         overrides::apply(&mut root, key, value)?;
@@ -87,7 +85,9 @@ impl SceneFile {
             path: path.to_owned(),
             source,
         })?;
-        Self::parse(&text, path, overrides)
+        let mut scene = Self::parse(&text, path, overrides)?;
+        scene.sources.insert(0, path.to_owned());
+        Ok(scene)
     }
 
     /// [`SceneFile::load`] of a text; `path` is what messages call it, and its folder is where
@@ -104,27 +104,31 @@ impl SceneFile {
         let table = Field::root(&root).table()?;
         table.expect(&SECTIONS);
         table.finish()?;
-        let folder = path.parent().unwrap_or(Path::new(""));
-        let included = Included::read(&listed(&table, "include")?, folder, direct)?;
+        let files = Files::beside(path);
+        let included = Included::read(&listed(&table, "include")?, &files, direct)?;
         drop(table);
         included.look_through(&mut root, path)?;
-        Self::read(path, &root, included)
+        Self::read(path, &root, included, &files)
     }
 
-    fn read(path: &Path, root: &Node, mut included: Included) -> Result<Self, Error> {
-        let folder = path.parent().unwrap_or(Path::new(""));
+    fn read(
+        path: &Path,
+        root: &Node,
+        mut included: Included,
+        files: &Files,
+    ) -> Result<Self, Error> {
         let table = Field::root(root).table()?;
         let media = media_fields(&table)?;
         let names: Vec<_> = media.iter().map(|(name, _)| *name).collect();
         let mut media_names: Vec<_> = names.iter().map(|&name| name.into()).collect();
-        let mut shapes = materials_and_shapes(&table, folder, &names)?;
+        let mut shapes = materials_and_shapes(&table, files, &names)?;
         let fields = listed(&table, "include")?;
         let included_media = included.add_to(&fields, &mut shapes, &mut media_names)?;
         let (materials, placed) = (shapes.materials, shapes.placed);
         let origin = origin(&placed);
         let (camera, film) = (table.required("camera")?, table.required("film")?);
         let (camera, camera_medium) = view::read(&camera, &film, &names, origin)?;
-        let media = (media.iter()).map(|(_, field)| medium::read(field, folder, origin));
+        let media = (media.iter()).map(|(_, field)| medium::read(field, files, origin));
         let place = |p: shape::Placed| {
             let is_boundary = materials[p.material].bsdf.transmits();
             p.place(origin, is_boundary)
@@ -141,7 +145,7 @@ impl SceneFile {
             media_names,
             materials,
             parts,
-            lights: lights(&table, folder, origin)?
+            lights: lights(&table, files, origin)?
                 .into_iter()
                 .chain(lamps)
                 .collect(),
@@ -152,6 +156,7 @@ impl SceneFile {
                 .into_iter()
                 .chain(included.notices())
                 .collect(),
+            sources: files.all(),
         })
     }
 
@@ -175,6 +180,14 @@ impl SceneFile {
     /// What of the files was left out, a line each: for people to read.
     pub fn notices(&self) -> &[String] {
         &self.notices
+    }
+
+    /// The files that were read: the scene file, those that it or an override names, and those that
+    /// they name in turn. In an order that their contents fix, each once; an MTL file that nobody
+    /// needs may be missing. What their bytes say, and the overrides, is all that a scene depends
+    /// on.
+    pub fn sources(&self) -> &[PathBuf] {
+        &self.sources
     }
 
     /// Which integrator the file asks for.
@@ -250,11 +263,11 @@ fn media_fields<'a>(table: &Table<'a>) -> Result<Vec<(&'a str, Field<'a>)>, Erro
 
 fn materials_and_shapes<'a>(
     table: &Table<'_>,
-    folder: &'a Path,
+    files: &'a Files,
     media: &[&str],
 ) -> Result<shape::Reader<'a>, Error> {
     let mut reader = shape::Reader {
-        textures: texture::Textures::new(folder),
+        textures: texture::Textures::new(files),
         names: Vec::new(),
         materials: Vec::new(),
         placed: Vec::new(),
@@ -271,13 +284,13 @@ fn materials_and_shapes<'a>(
     Ok(reader)
 }
 
-fn lights(table: &Table<'_>, folder: &Path, origin: DVec3) -> Result<Vec<Light<Rgb>>, Error> {
+fn lights(table: &Table<'_>, files: &Files, origin: DVec3) -> Result<Vec<Light<Rgb>>, Error> {
     let fields = listed(table, "lights")?;
     let listed = fields.iter().map(|field| light::read(field, origin));
     let environment = table.optional("environment");
     let environment = environment
         .iter()
-        .map(|field| light::read_environment(field, folder));
+        .map(|field| light::read_environment(field, files));
     listed.chain(environment).collect()
 }
 

@@ -23,6 +23,7 @@ pub(crate) use node::SceneChoice;
 
 use crate::Error;
 use crate::file::{Material, Solid};
+use crate::files::Files;
 use crate::media::MediumDescription;
 use document::Document;
 use glam::DAffine3;
@@ -77,9 +78,9 @@ pub(crate) struct Named {
 /// # Errors
 /// [`Error::Read`], or [`Error::Gltf`] with the first thing that is wrong: where in the JSON, and
 /// the mend.
-pub(crate) fn load(path: &Path, options: &Options) -> Result<Loaded, Error> {
+pub(crate) fn load(path: &Path, options: &Options, files: &Files) -> Result<Loaded, Error> {
     let mut loaded = Loaded::default();
-    let document = Document::open(path, options.draft_extensions, &mut loaded.notices)?;
+    let document = Document::open(path, files, options.draft_extensions, &mut loaded.notices)?;
     let nodes = node::walk(&document, options.scene.as_ref(), options.transform)?;
     let primitives = placement::primitives(&document, &nodes, &mut loaded.notices)?;
     let used: BTreeSet<Option<usize>> = primitives.iter().map(|p| p.material).collect();

@@ -7,6 +7,7 @@ mod environment_image;
 mod error;
 mod features;
 mod file;
+mod files;
 mod gltf;
 mod host;
 mod image_out;
@@ -19,7 +20,6 @@ mod media;
 mod obj;
 mod rendered;
 mod scene;
-mod sources;
 mod spectrum;
 mod summary;
 mod texture;
@@ -35,7 +35,6 @@ pub use image_out::{
 pub use material::{fresnel_conductor, fresnel_dielectric};
 pub use rendered::{RenderedImage, read_exr};
 pub use scene::Scene;
-pub use sources::sources;
 pub use summary::{
     CameraSummary, Caustics, GeometrySummary, LightSummary, MediumSummary, Needed, Summary,
     TransportSummary,

@@ -3,6 +3,7 @@
 mod check;
 
 use crate::Error;
+use crate::files::Files;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -31,7 +32,7 @@ pub(crate) struct Obj {
 
 /// Reads an OBJ file and the MTL files that it names. Polygons become triangles; points and lines
 /// are left out. Positions are read in `f64`.
-pub(crate) fn read(path: &Path) -> Result<Obj, Error> {
+pub(crate) fn read(path: &Path, files: &Files) -> Result<Obj, Error> {
     let problem = |problem: String| Error::Build {
         path: path.to_owned(),
         problem,
@@ -46,10 +47,10 @@ pub(crate) fn read(path: &Path) -> Result<Obj, Error> {
         ignore_points: true,
         ignore_lines: true,
     };
-    let folder = path.parent().unwrap_or(Path::new(""));
+    let files = files.followed_from(path);
     let complaint = RefCell::new(None);
     let load_mtl = |mtl: &Path| {
-        let bytes = std::fs::read(folder.join(mtl)).map_err(|_| LoadError::OpenFileFailed)?;
+        let bytes = std::fs::read(files.named(mtl)).map_err(|_| LoadError::OpenFileFailed)?;
         if let Err(why) = check::mtl(&bytes) {
             complaint.replace(Some(why));
             return Err(LoadError::MaterialParseError);

@@ -3,6 +3,7 @@
 use super::document::{Node, Value};
 use super::reader::{Field, Table};
 use super::shape::{self, transform};
+use crate::files::Files;
 use crate::gltf::{self, Lamp, Loaded, Options, Projection, SceneChoice, View};
 use crate::media::MediumDescription;
 use crate::{Error, Place};
@@ -32,9 +33,9 @@ pub(super) fn is_gltf(path: &Path) -> bool {
 
 impl Included {
     /// Reads the files of all includes; `direct` if the scene is but one, of that file.
-    pub(super) fn read(fields: &[Field<'_>], folder: &Path, direct: bool) -> Result<Self, Error> {
-        let files = fields.iter().map(|field| read(field, folder, direct));
-        let files = files.collect::<Result<_, _>>()?;
+    pub(super) fn read(fields: &[Field<'_>], files: &Files, direct: bool) -> Result<Self, Error> {
+        let loaded = fields.iter().map(|field| read(field, files, direct));
+        let files = loaded.collect::<Result<_, _>>()?;
         Ok(Self { files, direct })
     }
 
@@ -104,17 +105,17 @@ impl Included {
 }
 
 /// Reads the file of an include.
-fn read(field: &Field<'_>, folder: &Path, direct: bool) -> Result<Loaded, Error> {
+fn read(field: &Field<'_>, files: &Files, direct: bool) -> Result<Loaded, Error> {
     let table = field.table()?;
     let file = table.required("file")?;
-    let path = folder.join(file.string()?);
+    let path = files.named(file.string()?);
     if !is_gltf(&path) {
         return Err(file.error("is no glTF file: name a .gltf or .glb file, or use `[[shapes]]`"));
     }
     let options = options(&table)?;
     table.expect(&["materials"]);
     table.finish()?;
-    gltf::load(&path, &options).map_err(|e| if direct { e } else { file.error(e) })
+    gltf::load(&path, &options, files).map_err(|e| if direct { e } else { file.error(e) })
 }
 
 fn options(table: &Table<'_>) -> Result<Options, Error> {

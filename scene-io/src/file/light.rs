@@ -3,12 +3,12 @@
 use super::reader::{Field, Table};
 use crate::Error;
 use crate::environment_image::EnvironmentImage;
+use crate::files::Files;
 use crate::light::{
     Beam, Directional, Environment, Light, Point, Sky, Source, Spot, cone_height, cone_power,
 };
 use glam::{DVec3, Vec3};
 use std::f32::consts::PI;
-use std::path::Path;
 use std::sync::Arc;
 use tyndall_core::{MediumId, Rgb};
 
@@ -58,11 +58,11 @@ pub(super) fn read(field: &Field<'_>, origin: DVec3) -> Result<Light<Rgb>, Error
 }
 
 /// `[environment]`.
-pub(super) fn read_environment(field: &Field<'_>, folder: &Path) -> Result<Light<Rgb>, Error> {
+pub(super) fn read_environment(field: &Field<'_>, files: &Files) -> Result<Light<Rgb>, Error> {
     let table = field.table()?;
     let (light, is_image) = table.either("radiance", "file")?;
     let (colour, environment) = if is_image {
-        let sky = read_sky(&light, &table, folder)?;
+        let sky = read_sky(&light, &table, files)?;
         (Rgb::new(1.0, 1.0, 1.0), Environment::Image(Arc::new(sky)))
     } else {
         (light.colour()?, Environment::Constant)
@@ -73,14 +73,14 @@ pub(super) fn read_environment(field: &Field<'_>, folder: &Path) -> Result<Light
 }
 
 /// An image of the sky, and how it is turned.
-fn read_sky(file: &Field<'_>, table: &Table<'_>, folder: &Path) -> Result<Sky, Error> {
+fn read_sky(file: &Field<'_>, table: &Table<'_>, files: &Files) -> Result<Sky, Error> {
     let scale = table.optional("scale");
     let scale = scale.map_or(Ok(Rgb::new(1.0, 1.0, 1.0)), |f| f.colour())?;
     let up = table.optional("up");
     let up = up.map_or(Ok(DVec3::Y), |f| f.direction())?;
     let rotate = table.optional("rotate");
     let rotate = rotate.map_or(Ok(0.0), |f| f.number())?;
-    let path = folder.join(file.string()?);
+    let path = files.named(file.string()?);
     let image = EnvironmentImage::read(&path).map_err(|e| file.error(e))?;
     let image = image.scaled(scale).map_err(|e| file.error(e))?;
     Ok(Sky::new(image, up, rotate.to_radians()))

@@ -2,17 +2,17 @@
 
 use super::reader::{Field, Table};
 use crate::Error;
+use crate::files::Files;
 use crate::media::{Grid, MediumDescription};
 use crate::vol::{Volume, read_vol};
 use glam::DVec3;
-use std::path::Path;
 use tyndall_core::{Aabb, Coefficients, Rgb, Spectrum};
 use tyndall_media::{DenseGrid, Phase, Tracking};
 
-/// Reads a medium; `folder` is that of the scene file, `origin` the point that becomes 0.
+/// Reads a medium; `files` gets those that it names, `origin` the point that becomes 0.
 pub(super) fn read(
     field: &Field<'_>,
-    folder: &Path,
+    files: &Files,
     origin: DVec3,
 ) -> Result<MediumDescription, Error> {
     let table = field.table()?;
@@ -23,7 +23,7 @@ pub(super) fn read(
     };
     let (coefficients, grid) = match kind {
         "homogeneous" => (homogeneous(&table)?, None),
-        _ => grid(&table, folder, origin)?,
+        _ => grid(&table, files, origin)?,
     };
     table.finish()?;
     let description = MediumDescription {
@@ -52,14 +52,14 @@ fn homogeneous(table: &Table<'_>) -> Result<Coefficients<Rgb>, Error> {
 
 fn grid(
     table: &Table<'_>,
-    folder: &Path,
+    files: &Files,
     origin: DVec3,
 ) -> Result<(Coefficients<Rgb>, Option<Grid>), Error> {
     let sigma_t = table.required("scale")?.colour()?;
-    let (density, bounds) = density(table, folder, origin)?;
+    let (density, bounds) = density(table, files, origin)?;
     let mut albedo = Rgb::default();
     let albedo_grid = match table.required("albedo")? {
-        field if field.is_string() => Some(colours(&field, folder, bounds)?),
+        field if field.is_string() => Some(colours(&field, files, bounds)?),
         field => {
             albedo = field.fraction()?;
             None
@@ -67,7 +67,7 @@ fn grid(
     };
     let mut emission = Rgb::default();
     let emission_grid = match table.optional("emission") {
-        Some(field) if field.is_string() => Some(colours(&field, folder, bounds)?),
+        Some(field) if field.is_string() => Some(colours(&field, files, bounds)?),
         Some(field) => {
             emission = field.colour()?;
             None
@@ -93,7 +93,7 @@ fn grid(
 }
 
 /// The density, from a file or made, and its box.
-fn density(table: &Table<'_>, folder: &Path, origin: DVec3) -> Result<(DenseGrid, Aabb), Error> {
+fn density(table: &Table<'_>, files: &Files, origin: DVec3) -> Result<(DenseGrid, Aabb), Error> {
     let (source, made) = table.either("file", "plume")?;
     let corners = match (table.optional("min"), table.optional("max")) {
         (Some(min), Some(max)) => {
@@ -118,7 +118,7 @@ fn density(table: &Table<'_>, folder: &Path, origin: DVec3) -> Result<(DenseGrid
         let bounds = place(corners);
         return Ok((plume(&source, bounds)?, bounds));
     }
-    let voxels = volume(&source, folder)?;
+    let voxels = volume(&source, files)?;
     let bounds = place(corners.unwrap_or(voxels.bounds));
     if voxels.channels != 1 {
         let n = voxels.channels;
@@ -141,8 +141,8 @@ fn plume(field: &Field<'_>, bounds: Aabb) -> Result<DenseGrid, Error> {
 }
 
 /// A grid of one or three channels, in the box of the density.
-fn colours(field: &Field<'_>, folder: &Path, bounds: Aabb) -> Result<DenseGrid<Rgb>, Error> {
-    let voxels = volume(field, folder)?;
+fn colours(field: &Field<'_>, files: &Files, bounds: Aabb) -> Result<DenseGrid<Rgb>, Error> {
+    let voxels = volume(field, files)?;
     let values = match voxels.channels {
         1 => voxels.values.into_iter().map(Rgb::splat).collect(),
         3 => (voxels.values.chunks_exact(3))
@@ -153,8 +153,8 @@ fn colours(field: &Field<'_>, folder: &Path, bounds: Aabb) -> Result<DenseGrid<R
     DenseGrid::new(voxels.resolution, bounds, values).map_err(|e| field.error(e))
 }
 
-fn volume(field: &Field<'_>, folder: &Path) -> Result<Volume, Error> {
-    read_vol(&folder.join(field.string()?)).map_err(|e| field.error(e))
+fn volume(field: &Field<'_>, files: &Files) -> Result<Volume, Error> {
+    read_vol(&files.named(field.string()?)).map_err(|e| field.error(e))
 }
 
 fn phase(field: &Field<'_>) -> Result<Phase, Error> {

@@ -7,24 +7,24 @@
 use super::material::Material;
 use super::texture::{Textures, upright};
 use crate::Error;
+use crate::files::Files;
 use crate::material::{AlphaMode, Bsdf, Map, MetallicRoughness, NormalMap, ScalarMap};
 use crate::texture::{ColourSpace, Filter, Wrap};
 use glam::{Affine2, Vec2};
-use std::path::Path;
 use tyndall_core::{Rgb, Spectrum};
 
-/// Reads one material; its textures are named relative to `folder`. `notices` gets what was left
+/// Reads one material; its textures are named relative to `files`. `notices` gets what was left
 /// out.
 ///
 /// # Errors
 /// A sentence for a value out of range, or a texture that cannot be read.
 pub(super) fn read(
     mtl: &tobj::Material,
-    folder: &Path,
+    files: &Files,
     textures: &mut Textures<'_>,
     notices: &mut Vec<String>,
 ) -> Result<Material, String> {
-    let mut load = |text: &str, space| load(text, space, folder, textures);
+    let mut load = |text: &str, space| load(text, space, files, textures);
     let base_color = mtl.diffuse_texture.as_deref();
     let base_color = base_color.map(|t| load(t, ColourSpace::Srgb)).transpose()?;
     let emission = unknown(mtl, &["map_Ke", "map_ke"]);
@@ -168,7 +168,7 @@ struct Loaded {
 fn load(
     text: &str,
     space: ColourSpace,
-    folder: &Path,
+    files: &Files,
     textures: &mut Textures<'_>,
 ) -> Result<Loaded, String> {
     let (mut scale, mut offset) = (Vec2::ONE, Vec2::ZERO);
@@ -189,7 +189,7 @@ fn load(
         }
         rest = after;
     }
-    let path = folder.join(rest.replace('\\', "/"));
+    let path = files.named(rest.replace('\\', "/"));
     let texture = textures.get(path, space, [wrap; 2], Filter::Bilinear);
     let transform = Affine2::from_scale_angle_translation(scale, 0.0, offset);
     Ok(Loaded {

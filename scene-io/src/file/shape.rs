@@ -198,8 +198,8 @@ impl Reader<'_> {
 
     fn read_obj(&mut self, table: &Table<'_>, emission: Option<Rgb>) -> Result<(), Error> {
         let file = table.required("file")?;
-        let path = self.textures.folder.join(file.string()?);
-        let obj = obj::read(&path).map_err(|e| file.error(e))?;
+        let path = self.textures.files.named(file.string()?);
+        let obj = obj::read(&path, self.textures.files).map_err(|e| file.error(e))?;
         let fallback = (table.optional("material"))
             .map(|f| self.material(&f))
             .transpose()?;
@@ -258,8 +258,8 @@ impl Reader<'_> {
         group: &Group,
         file: &Field<'_>,
     ) -> Result<usize, Error> {
-        let folder = obj.parent().unwrap_or(Path::new(""));
-        let read = mtl::read(mtl, folder, &mut self.textures, &mut self.notices);
+        let files = self.textures.files.followed_from(obj);
+        let read = mtl::read(mtl, &files, &mut self.textures, &mut self.notices);
         let mut material = read.map_err(|why| {
             file.error(format!(
                 "its material {:?} {why}; mend the MTL file or name a material of the scene in \

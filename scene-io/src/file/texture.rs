@@ -2,11 +2,12 @@
 
 use super::reader::{Field, Table};
 use crate::Error;
+use crate::files::Files;
 use crate::material::{Map, ScalarMap};
 use crate::texture::{ColourSpace, Filter, Texture, Wrap};
 use glam::{Affine2, Mat2, Vec2};
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use tyndall_core::Rgb;
 
@@ -15,16 +16,16 @@ type Source = (PathBuf, ColourSpace, [Wrap; 2], Filter);
 
 /// The textures of a scene, each read once.
 pub(super) struct Textures<'a> {
-    pub(super) folder: &'a Path,
+    pub(super) files: &'a Files,
     loaded: HashMap<Source, Arc<Texture>>,
 }
 
 const CHANNELS: [&str; 4] = ["red", "green", "blue", "alpha"];
 
 impl<'a> Textures<'a> {
-    pub(super) fn new(folder: &'a Path) -> Self {
+    pub(super) fn new(files: &'a Files) -> Self {
         let loaded = HashMap::new();
-        Self { folder, loaded }
+        Self { files, loaded }
     }
 
     pub(super) fn get(
@@ -61,7 +62,7 @@ impl<'a> Textures<'a> {
             _ => Filter::default(),
         };
         let transform = transform(table)?;
-        let path = self.folder.join(file.string()?);
+        let path = self.files.named(file.string()?);
         let texture = self.get(path, space, [wrap; 2], filter);
         Ok(Map {
             texture: texture.map_err(|e| file.error(e))?,

@@ -3,6 +3,7 @@
 use super::container;
 use super::uri;
 use crate::Error;
+use crate::files::Files;
 use gltf::json::validation::{Error as Fault, Validate};
 use gltf::json::{Index, Path as JsonPath, Root, buffer};
 use serde::Deserialize;
@@ -16,6 +17,8 @@ use std::sync::Arc;
 pub(super) struct Document {
     pub(super) path: PathBuf,
     pub(super) root: Root,
+    /// Beside the file.
+    pub(super) files: Files,
     /// `None` for a buffer without a source.
     buffers: Vec<Option<Arc<[u8]>>>,
     /// Bytes that may still be made of those of the file.
@@ -64,9 +67,11 @@ impl Document {
     /// added to `notices`.
     pub(super) fn open(
         path: &Path,
+        files: &Files,
         drafts: bool,
         notices: &mut Vec<String>,
     ) -> Result<Self, Error> {
+        let files = files.followed_from(path);
         let bytes = std::fs::read(path).map_err(|source| Error::Read {
             path: path.to_owned(),
             source,
@@ -76,12 +81,13 @@ impl Document {
         let root: Root = deserialize(path, json)?;
         check_positions(path, &root)?;
         validate(path, &root)?;
-        let buffers = buffers(path, &root, bin)?;
+        let buffers = buffers(path, &files, &root, bin)?;
         let held: usize = buffers.iter().flatten().map(|b| b.len()).sum();
         let means = EXPANSION * (bytes.len() as u64 + held as u64) + (1 << 20);
         Ok(Self {
             path: path.to_owned(),
             root,
+            files,
             buffers,
             means: Cell::new(means),
         })
@@ -90,11 +96,6 @@ impl Document {
     /// A complaint about a part of the file.
     pub(super) fn error(&self, field: impl Display, problem: impl Display) -> Error {
         error(&self.path, field, problem)
-    }
-
-    /// The folder that names of files are relative to.
-    pub(super) fn folder(&self) -> &Path {
-        self.path.parent().unwrap_or(Path::new(""))
     }
 
     /// The bytes of a buffer view, and its stride.
@@ -263,8 +264,12 @@ fn validate(path: &Path, root: &Root) -> Result<(), Error> {
     }
 }
 
-fn buffers(path: &Path, root: &Root, bin: Option<&[u8]>) -> Result<Vec<Option<Arc<[u8]>>>, Error> {
-    let folder = path.parent().unwrap_or(Path::new(""));
+fn buffers(
+    path: &Path,
+    files: &Files,
+    root: &Root,
+    bin: Option<&[u8]>,
+) -> Result<Vec<Option<Arc<[u8]>>>, Error> {
     let mut known: HashMap<&str, Arc<[u8]>> = HashMap::new();
     let mut buffers = Vec::new();
     for (i, buffer) in root.buffers.iter().enumerate() {
@@ -273,7 +278,7 @@ fn buffers(path: &Path, root: &Root, bin: Option<&[u8]>) -> Result<Vec<Option<Ar
             (Some(uri), _) => Some(match known.get(uri) {
                 Some(bytes) => bytes.clone(),
                 None => {
-                    let bytes: Arc<[u8]> = uri::read(folder, uri).map_err(fault)?.into();
+                    let bytes: Arc<[u8]> = uri::read(files, uri).map_err(fault)?.into();
                     known.insert(uri, bytes.clone());
                     bytes
                 }

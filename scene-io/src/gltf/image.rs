@@ -69,7 +69,7 @@ impl<'a> Textures<'a> {
         let image = &document.root.images[index];
         match (image.buffer_view, image.uri.as_deref()) {
             (Some(view), _) => Ok(document.view(view)?.0.to_vec()),
-            (None, Some(uri)) => uri::read(document.folder(), uri)
+            (None, Some(uri)) => uri::read(&document.files, uri)
                 .map_err(|why| document.error(format!("images[{index}].uri"), why)),
             (None, None) => {
                 let why = "has neither a uri nor a bufferView: export again";

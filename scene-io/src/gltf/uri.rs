@@ -1,10 +1,10 @@
 //! What buffers and images are called: data in place, or files beside the glTF.
 
+use crate::files::Files;
 use base64::Engine;
 use base64::engine::DecodePaddingMode;
 use base64::engine::general_purpose::{GeneralPurpose, PAD};
 use percent_encoding::percent_decode_str;
-use std::path::Path;
 
 /// Some exporters leave out what pads base64.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
@@ -12,8 +12,8 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
     PAD.with_decode_padding_mode(DecodePaddingMode::Indifferent),
 );
 
-/// The bytes behind a URI, relative to `folder`; or what is wrong with it.
-pub(super) fn read(folder: &Path, uri: &str) -> Result<Vec<u8>, String> {
+/// The bytes behind a URI, relative to `files`; or what is wrong with it.
+pub(super) fn read(files: &Files, uri: &str) -> Result<Vec<u8>, String> {
     if let Some(data) = uri.strip_prefix("data:") {
         let (_, text) = (data.split_once(";base64,"))
             .ok_or("is a data URI that is not base64: export again")?;
@@ -28,7 +28,7 @@ pub(super) fn read(folder: &Path, uri: &str) -> Result<Vec<u8>, String> {
     }
     let decoded = percent_decode_str(uri).decode_utf8();
     let name = decoded.map_err(|_| "is not UTF-8: rename the file, and export again")?;
-    let path = folder.join(&*name);
+    let path = files.named(&*name);
     let cannot = |why: String| {
         let path = path.display();
         format!("{path} cannot be read ({why}): put it there, or export with embedded data")
