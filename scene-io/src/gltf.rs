@@ -27,7 +27,7 @@ use crate::files::Files;
 use crate::media::MediumDescription;
 use document::Document;
 use glam::DAffine3;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// What of a file is wanted, and how.
@@ -73,6 +73,37 @@ pub(crate) struct Named {
     pub(crate) material: Material,
 }
 
+impl Loaded {
+    /// Gives shapes without texture coordinates materials without textures.
+    fn strip_textures(&mut self, path: &Path) {
+        let mut plain = BTreeMap::new();
+        for (solid, index) in &mut self.shapes {
+            let Named { name, material } = &self.materials[*index];
+            if solid.has_uvs() || !material.maps.have_textures() {
+                continue;
+            }
+            *index = match plain.get(index) {
+                Some(&known) => known,
+                None => {
+                    self.notices.push(format!(
+                        "{}: faces of material {name:?} have no texture coordinates: its textures \
+                         are left out there",
+                        path.display()
+                    ));
+                    let material = Material {
+                        maps: material.maps.without_textures(),
+                        ..material.clone()
+                    };
+                    let name = name.clone();
+                    plain.insert(*index, self.materials.len());
+                    self.materials.push(Named { name, material });
+                    self.materials.len() - 1
+                }
+            };
+        }
+    }
+}
+
 /// Reads a `.gltf` or `.glb` file, its buffers and its images.
 ///
 /// # Errors
@@ -85,11 +116,12 @@ pub(crate) fn load(path: &Path, options: &Options, files: &Files) -> Result<Load
     let primitives = placement::primitives(&document, &nodes, &mut loaded.notices)?;
     let used: BTreeSet<Option<usize>> = primitives.iter().map(|p| p.material).collect();
     let conventions = (options.scale(), options.draft_extensions);
-    let mut sets = Vec::new();
+    let mut traits = Vec::new();
     let mut reader = material::Reader::new(&document, conventions, &mut loaded.notices);
     for index in &used {
         let read = reader.read(*index)?;
         let mut material = read.material;
+        let has_normal_map = material.maps.normal.is_some();
         let name = index.and_then(|i| document.root.materials[i].name.clone());
         let name = name.unwrap_or_default();
         if let Some(medium) = read.medium {
@@ -97,15 +129,19 @@ pub(crate) fn load(path: &Path, options: &Options, files: &Files) -> Result<Load
             loaded.media.push((format!("inside of {name}"), medium));
         }
         loaded.materials.push(Named { name, material });
-        sets.push(read.uv_set);
+        traits.push(placement::Traits {
+            uv_set: read.uv_set,
+            has_normal_map,
+        });
     }
     let place_of = |index: Option<usize>| used.iter().take_while(|&&i| i < index).count();
-    let uv_set = |index: Option<usize>| sets[place_of(index)];
-    let solids = placement::solids(&document, primitives, uv_set, &mut loaded.notices)?;
+    let traits = |index: Option<usize>| traits[place_of(index)];
+    let solids = placement::solids(&document, primitives, traits, &mut loaded.notices)?;
     loaded.shapes = solids
         .into_iter()
         .map(|(solid, m)| (solid, place_of(m)))
         .collect();
+    loaded.strip_textures(path);
     if options.lights {
         let (efficacy, scale) = (options.luminous_efficacy, options.scale());
         loaded.lamps = light::read(&document, &nodes, efficacy, scale)?;

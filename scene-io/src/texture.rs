@@ -6,6 +6,7 @@ use crate::Error;
 use glam::{Vec2, Vec4};
 use image::DynamicImage;
 use std::path::Path;
+use std::sync::Arc;
 
 /// How the numbers of an image are meant. Alpha is always linear.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -43,7 +44,8 @@ pub(crate) enum Filter {
 pub(crate) struct Texture {
     width: u32,
     height: u32,
-    texels: Texels,
+    /// Textures of one image share them.
+    texels: Arc<Texels>,
     space: ColourSpace,
     /// Along u and v.
     pub(crate) wrap: [Wrap; 2],
@@ -95,7 +97,7 @@ impl Texture {
                 Texels::Eight(t) => t.iter().any(|t| t[3] != u8::MAX),
                 Texels::Sixteen(t) => t.iter().any(|t| t[3] != u16::MAX),
             },
-            texels,
+            texels: Arc::new(texels),
             space,
             wrap: [Wrap::default(); 2],
             filter: Filter::default(),
@@ -107,9 +109,14 @@ impl Texture {
         [self.width, self.height]
     }
 
+    /// Where the texels are: the same for textures that share them.
+    pub(crate) fn address(&self) -> *const () {
+        Arc::as_ptr(&self.texels).cast()
+    }
+
     /// Memory of the texels.
     pub(crate) fn bytes(&self) -> u64 {
-        let bytes = match &self.texels {
+        let bytes = match &*self.texels {
             Texels::Eight(texels) => size_of_val(texels.as_slice()),
             Texels::Sixteen(texels) => size_of_val(texels.as_slice()),
         };
@@ -166,7 +173,7 @@ impl Texture {
 
     fn texel(&self, x: u32, y: u32) -> Vec4 {
         let at = y as usize * self.width as usize + x as usize;
-        match &self.texels {
+        match &*self.texels {
             Texels::Eight(texels) => decode::eight(texels[at], self.space),
             Texels::Sixteen(texels) => decode::sixteen(texels[at], self.space),
         }

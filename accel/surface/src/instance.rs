@@ -54,8 +54,8 @@ pub(crate) fn shear(to_world: &DAffine3) -> f64 {
     a.length() * b.length() * c.length() / volume
 }
 
-/// Whether the transformation has no inverse, up to rounding.
-pub(crate) fn is_flat(to_world: &DAffine3) -> bool {
+/// Whether a transformation has no inverse, up to rounding: an instance cannot have it.
+pub fn is_flat(to_world: &DAffine3) -> bool {
     let shear = shear(to_world);
     shear.is_nan() || shear > FLAT
 }

@@ -69,5 +69,6 @@ mod validate;
 mod watertight;
 
 pub use error::SurfaceError;
+pub use instance::is_flat;
 pub use shape::{Mesh, Shape};
 pub use surfaces::{Backend, ShapeHit, Surfaces};

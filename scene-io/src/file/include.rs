@@ -159,10 +159,14 @@ fn replaced(
     for (name, field) in field.table()?.named() {
         field.check_name(name, "material of the glTF file", &known)?;
         let material = scene.material(&field)?;
-        for (known, replaced) in known.iter().zip(&mut replaced) {
-            if *known == name {
-                *replaced = Some(material);
-            }
+        for (i, _) in known
+            .iter()
+            .enumerate()
+            .filter(|(_, known)| **known == name)
+        {
+            replaced[i] = Some(material);
+            let mut of_it = file.shapes.iter().filter(|(_, m)| *m == i);
+            scene.check_uvs(material, of_it.all(|(solid, _)| solid.has_uvs()), &field)?;
         }
     }
     Ok(replaced)

@@ -5,7 +5,6 @@ use super::mtl;
 use super::reader::{Field, Table};
 use super::texture::Textures;
 use crate::Error;
-use crate::material::Maps;
 use crate::obj::{self, Group};
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec2};
 use std::path::Path;
@@ -48,6 +47,15 @@ pub(crate) enum Solid {
 }
 
 impl Solid {
+    /// Whether textures can lie on it.
+    pub(crate) fn has_uvs(&self) -> bool {
+        match self {
+            Self::Mesh(group) => !group.uvs.is_empty(),
+            Self::Instance { mesh, .. } => !mesh.uvs.is_empty(),
+            _ => true,
+        }
+    }
+
     /// Smallest and largest corner of a box around it: the smallest one, but for instances.
     pub(super) fn bounds(&self) -> [DVec3; 2] {
         let around = |center: &DVec3, r: DVec3| vec![*center - r, *center + r];
@@ -222,7 +230,7 @@ impl Reader<'_> {
             let chosen = mapped.iter().find(|(n, _)| *n == name).map(|&(_, m)| m);
             let material = match (chosen.or(fallback), obj.materials.get(&name)) {
                 (Some(material), _) => {
-                    self.check_uvs(material, &group, table)?;
+                    self.check_uvs(material, !group.uvs.is_empty(), table.field())?;
                     material
                 }
                 (None, Some(mtl)) => self.own_material(mtl, &path, &group, &file)?,
@@ -239,11 +247,16 @@ impl Reader<'_> {
     }
 
     /// Complains about textures on what has no texture coordinates.
-    fn check_uvs(&self, material: usize, group: &Group, table: &Table<'_>) -> Result<(), Error> {
-        if !self.materials[material].maps.have_textures() || !group.uvs.is_empty() {
+    pub(super) fn check_uvs(
+        &self,
+        material: usize,
+        has_uvs: bool,
+        field: &Field<'_>,
+    ) -> Result<(), Error> {
+        if !self.materials[material].maps.have_textures() || has_uvs {
             return Ok(());
         }
-        Err(table.field().error(format!(
+        Err(field.error(format!(
             "material {:?} has textures, but these faces have no texture coordinates: unwrap the \
              mesh and export it with them, or choose a material without",
             self.names[material]
@@ -273,7 +286,7 @@ impl Reader<'_> {
                 obj.display(),
                 mtl.name
             ));
-            material.maps = Maps::default();
+            material.maps = material.maps.without_textures();
         }
         self.materials.push(material);
         Ok(self.materials.len() - 1)

@@ -182,33 +182,26 @@ fn triangles(
     })
 }
 
-/// Leaves out vertices that no triangle uses: exporters put many meshes into one list.
-fn compact(mesh: &Mesh, triangles: Vec<[u32; 3]>) -> Mesh {
-    const UNUSED: u32 = u32::MAX;
-    let mut names = vec![UNUSED; mesh.positions.len()];
-    let mut used = Vec::new();
-    let renamed = triangles.iter().map(|corners| {
-        corners.map(|i| {
-            let name = &mut names[i as usize];
-            if *name == UNUSED {
-                *name = used.len() as u32;
-                used.push(i as usize);
-            }
-            *name
-        })
-    });
-    let renamed = renamed.collect();
+/// Leaves out vertices that no triangle uses: exporters put many meshes into one list. Takes time
+/// by the triangles alone, so that many primitives may share one long list.
+fn compact(mesh: &Mesh, mut triangles: Vec<[u32; 3]>) -> Mesh {
+    let mut used = triangles.as_flattened().to_vec();
+    used.sort_unstable();
+    used.dedup();
+    for corner in triangles.as_flattened_mut() {
+        *corner = used.partition_point(|&i| i < *corner) as u32;
+    }
     Mesh {
         positions: pick(&mesh.positions, &used),
         normals: pick(&mesh.normals, &used),
         uvs: pick(&mesh.uvs, &used),
-        triangles: renamed,
+        triangles,
     }
 }
 
-fn pick<T: Copy>(all: &[T], used: &[usize]) -> Vec<T> {
+fn pick<T: Copy>(all: &[T], used: &[u32]) -> Vec<T> {
     if all.is_empty() {
         return Vec::new();
     }
-    used.iter().map(|&i| all[i]).collect()
+    used.iter().map(|&i| all[i as usize]).collect()
 }

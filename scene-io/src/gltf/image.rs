@@ -13,7 +13,9 @@ use std::sync::Arc;
 /// Textures that were read.
 pub(super) struct Textures<'a> {
     document: &'a Document,
-    known: HashMap<(usize, bool), Arc<Texture>>,
+    known: HashMap<(usize, ColourSpace), Arc<Texture>>,
+    /// By image: many textures may show one.
+    decoded: HashMap<(usize, ColourSpace), Texture>,
     texels: u64,
 }
 
@@ -25,33 +27,24 @@ impl<'a> Textures<'a> {
         Self {
             document,
             known: HashMap::new(),
+            decoded: HashMap::new(),
             texels: 0,
         }
     }
 
-    /// A texture of the file, decoded once for each meaning of its numbers.
+    /// A texture of the file.
     pub(super) fn get(
         &mut self,
         index: Index<texture::Texture>,
         space: ColourSpace,
     ) -> Result<Arc<Texture>, Error> {
-        let key = (index.value(), space == ColourSpace::Srgb);
+        let key = (index.value(), space);
         if let Some(texture) = self.known.get(&key) {
             return Ok(texture.clone());
         }
         let root = &self.document.root;
         let description = &root.textures[index.value()];
-        let image = description.source.value();
-        let bytes = self.bytes(image)?;
-        let texture = Texture::decode(&bytes, space);
-        let mut texture =
-            texture.map_err(|problem| self.document.error(format!("images[{image}]"), problem))?;
-        let [width, height] = texture.size().map(u64::from);
-        self.texels += width * height;
-        if self.texels > MAX_TEXELS {
-            let why = "has, with those before it, more than 2³⁰ texels: scale images down";
-            return Err(self.document.error(format!("images[{image}]"), why));
-        }
+        let mut texture = self.image(description.source.value(), space)?;
         if let Some(sampler) = description.sampler {
             let sampler = &root.samplers[sampler.value()];
             texture.wrap = [&sampler.wrap_s, &sampler.wrap_t].map(wrap);
@@ -61,6 +54,23 @@ impl<'a> Textures<'a> {
         }
         let texture = Arc::new(texture);
         self.known.insert(key, texture.clone());
+        Ok(texture)
+    }
+
+    /// An image with the sampler of nobody, decoded once for each meaning of its numbers.
+    fn image(&mut self, index: usize, space: ColourSpace) -> Result<Texture, Error> {
+        if let Some(texture) = self.decoded.get(&(index, space)) {
+            return Ok(texture.clone());
+        }
+        let fault = |problem: String| self.document.error(format!("images[{index}]"), problem);
+        let texture = Texture::decode(&self.bytes(index)?, space).map_err(fault)?;
+        let [width, height] = texture.size().map(u64::from);
+        self.texels += width * height;
+        if self.texels > MAX_TEXELS {
+            let why = "has, with those before it, more than 2³⁰ texels: scale images down";
+            return Err(fault(why.into()));
+        }
+        self.decoded.insert((index, space), texture.clone());
         Ok(texture)
     }
 

@@ -73,7 +73,8 @@ impl<'a> Reader<'a> {
             );
         }
         let mut uvs = UvSet::default();
-        let constants = self.constants(source, field)?;
+        let is_body = medium::is_body(source, extras.as_ref(), self.conventions.1);
+        let constants = self.constants(source, is_body, field)?;
         let emission = self.emission(source, field)?;
         let maps = self.maps(source, &mut uvs, field)?;
         if uvs.differ {
@@ -95,22 +96,21 @@ impl<'a> Reader<'a> {
     }
 
     fn filled(
-        &self,
+        &mut self,
         mut material: Material,
         source: &json::Material,
         extras: Option<Extras>,
         field: &str,
     ) -> Result<Read, Error> {
-        let mut medium = None;
+        let conventions = self.conventions;
+        let mut medium = medium::read(self.document, source, extras.as_ref(), conventions, field)?;
         if material.bsdf.transmits() {
-            medium = medium::read(
-                self.document,
-                source,
-                extras.as_ref(),
-                self.conventions,
-                field,
-            )?;
             material.priority = extras.map_or(0, |e| e.priority);
+        } else if medium.take().is_some() && medium::is_body(source, extras.as_ref(), conventions.1)
+        {
+            let why = "light does not enter, so that its medium is left out: give it a \
+                       transmissionFactor above 0, or `\"surface\": \"none\"` in `extras.tyndall`";
+            self.notice(field, source, why);
         }
         Ok(Read {
             material,
@@ -126,11 +126,14 @@ impl<'a> Reader<'a> {
             .push(format!("{path}: {field} {name:?}: {why}"));
     }
 
+    /// `is_body`: light that is transmitted enters a body.
     fn constants(
-        &self,
+        &mut self,
         source: &json::Material,
+        is_body: bool,
         field: &str,
     ) -> Result<MetallicRoughness<Rgb>, Error> {
+        let ior = self.ior(source, field)?;
         let pbr = &source.pbr_metallic_roughness;
         let extensions = source.extensions.as_ref();
         let share = |key: &str, x: f32| match x {
@@ -146,15 +149,6 @@ impl<'a> Reader<'a> {
         let [r, g, b, _] = pbr.base_color_factor.0;
         let transmission = extensions.and_then(|e| e.transmission.as_ref());
         let transmission = transmission.map_or(0.0, |t| t.transmission_factor.0);
-        let volume = extensions.and_then(|e| e.volume.as_ref());
-        let ior = extensions
-            .and_then(|e| e.ior.as_ref())
-            .map_or(1.5, |i| i.ior.0);
-        if !(1.0..=10.0).contains(&ior) {
-            let field = format!("{field}.extensions.KHR_materials_ior.ior");
-            let why = format!("is {ior}, but must be from 1 to 10: export again");
-            return Err(self.document.error(field, why));
-        }
         Ok(MetallicRoughness {
             base_color: Rgb::new(colour(r)?, colour(g)?, colour(b)?),
             metallic: share("pbrMetallicRoughness.metallicFactor", pbr.metallic_factor.0)?,
@@ -164,8 +158,27 @@ impl<'a> Reader<'a> {
             )?,
             ior,
             transmission: share("extensions.KHR_materials_transmission", transmission)?,
-            thin: volume.is_none_or(|v| v.thickness_factor.0 <= 0.0),
+            thin: !is_body,
         })
+    }
+
+    fn ior(&mut self, source: &json::Material, field: &str) -> Result<f32, Error> {
+        let extension = source.extensions.as_ref().and_then(|e| e.ior.as_ref());
+        let ior = extension.map_or(DEFAULT_IOR, |i| i.ior.0);
+        let field = format!("{field}.extensions.KHR_materials_ior.ior");
+        if ior == 0.0 {
+            let why = format!(
+                "is 0, by which `KHR_materials_specular`, which is left out, takes the place of \
+                 Fresnel's law: read as {DEFAULT_IOR}"
+            );
+            self.notice(&field, source, &why);
+            return Ok(DEFAULT_IOR);
+        }
+        if !(1.0..=10.0).contains(&ior) {
+            let why = format!("is {ior}, but must be from 1 to 10, or 0: export again");
+            return Err(self.document.error(field, why));
+        }
+        Ok(ior)
     }
 
     fn emission(&self, source: &json::Material, field: &str) -> Result<Rgb, Error> {
@@ -298,6 +311,9 @@ impl<'a> Reader<'a> {
         Ok(Map { texture, transform })
     }
 }
+
+/// Of a material that does not say its index of refraction.
+const DEFAULT_IOR: f32 = 1.5;
 
 /// The set of texture coordinates that textures share: a mesh carries one.
 #[derive(Default)]

@@ -89,6 +89,21 @@ fn parse<T: DeserializeOwned>(
         .map_err(|e| document.error(field, format!("{e}: see the documentation of scene files")))
 }
 
+/// Whether a material means a body rather than a sheet: by its thickness, or because it says what
+/// else than absorption there is inside.
+pub(super) fn is_body(material: &Material, extras: Option<&Extras>, drafts: bool) -> bool {
+    let extensions = material.extensions.as_ref();
+    let volume = extensions.and_then(|e| e.volume.as_ref());
+    let thick = volume.is_some_and(|v| v.thickness_factor.0 > 0.0);
+    let scatters = drafts && extensions.is_some_and(|e| e.others.contains_key(SCATTER));
+    let said = |e: &Extras| {
+        [e.sigma_a, e.sigma_s, e.emission]
+            .iter()
+            .any(Option::is_some)
+    };
+    thick || scatters || extras.is_some_and(said)
+}
+
 /// The medium inside of a material, coefficients over `scale`; `None` for vacuum.
 pub(super) fn read(
     document: &Document,

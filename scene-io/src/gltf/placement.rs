@@ -11,7 +11,7 @@ use gltf::json::mesh::{Primitive, Semantic};
 use gltf::json::validation::Checked;
 use std::collections::HashMap;
 use std::sync::Arc;
-use tyndall_surface::Mesh;
+use tyndall_surface::{Mesh, is_flat};
 
 /// A primitive of a mesh, and one place where it stands.
 pub(super) struct Placement {
@@ -71,11 +71,18 @@ pub(super) fn primitives(
     Ok(placements)
 }
 
-/// The shapes of the placements, and their materials; `uv_set` is that of a material.
+/// What the shapes of a material need to know of it.
+#[derive(Clone, Copy)]
+pub(super) struct Traits {
+    pub(super) uv_set: u32,
+    pub(super) has_normal_map: bool,
+}
+
+/// The shapes of the placements, and their materials.
 pub(super) fn solids(
     document: &Document,
     placements: Vec<Placement>,
-    uv_set: impl Fn(Option<usize>) -> u32,
+    traits: impl Fn(Option<usize>) -> Traits,
     notices: &mut Vec<String>,
 ) -> Result<Vec<(Solid, Option<usize>)>, Error> {
     let mut reader = Reader {
@@ -88,7 +95,10 @@ pub(super) fn solids(
     let mut left_out = Vec::new();
     for placement in placements {
         let primitive = placement.source(document);
-        let uv_set = uv_set(placement.material);
+        let Traits {
+            uv_set,
+            has_normal_map,
+        } = traits(placement.material);
         match geometry::key(document, primitive, uv_set, &placement.field())? {
             Some(key) => {
                 *reader.uses.entry(key).or_insert(0_usize) += 1;
@@ -96,9 +106,12 @@ pub(super) fn solids(
             }
             None => left_out.push("points and lines"),
         }
-        let colours = Checked::Valid(Semantic::Colors(0));
-        if primitive.attributes.contains_key(&colours) {
+        let has = |semantic| primitive.attributes.contains_key(&Checked::Valid(semantic));
+        if has(Semantic::Colors(0)) {
             left_out.push("vertex colours");
+        }
+        if has_normal_map && has(Semantic::Tangents) {
+            left_out.push("TANGENT; normal maps follow the texture coordinates");
         }
     }
     let mut solids = Vec::with_capacity(keyed.len());
@@ -182,13 +195,6 @@ impl Reader<'_> {
         self.document.spend(size, &field)?;
         Ok(Some(Solid::Mesh(baked(&mesh, &to_world))))
     }
-}
-
-/// Whether the transformation has no inverse, or nearly none.
-fn is_flat(to_world: &DAffine3) -> bool {
-    let m = &to_world.matrix3;
-    let box_volume = m.x_axis.length() * m.y_axis.length() * m.z_axis.length();
-    m.determinant().abs() <= 1e-9 * box_volume
 }
 
 /// The mesh in the coordinates of the world. A reflection turns triangles round, so that their

@@ -139,6 +139,15 @@ impl Maps {
         self.vary_bsdf() || others.contains(&true)
     }
 
+    /// What is left where there are no texture coordinates.
+    pub(crate) fn without_textures(&self) -> Self {
+        Self {
+            alpha: self.alpha,
+            alpha_mode: self.alpha_mode,
+            ..Self::default()
+        }
+    }
+
     /// Whether all colours have equal channels.
     pub(crate) fn are_grey(&self) -> bool {
         let colours = [&self.base_color, &self.emission];

@@ -79,6 +79,6 @@ fn bytes(mesh: &Mesh) -> u64 {
 /// Bytes of the images that materials name, each once.
 pub(super) fn texture_bytes(file: &SceneFile) -> u64 {
     let maps = file.materials.iter().flat_map(|m| m.maps.textures());
-    let textures: HashMap<_, _> = maps.map(|t| (Arc::as_ptr(t), t.bytes())).collect();
+    let textures: HashMap<_, _> = maps.map(|t| (t.address(), t.bytes())).collect();
     textures.into_values().sum()
 }

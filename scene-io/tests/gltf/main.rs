@@ -3,8 +3,10 @@
 mod broken;
 mod builder;
 mod cameras;
+mod faults;
 mod geometry;
 mod includes;
 mod lights;
 mod materials;
 mod nodes;
+mod notices;
