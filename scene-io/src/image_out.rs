@@ -121,6 +121,8 @@ fn write_whole(
     write(&mut buffer).map_err(|e| Error::write(path, e))?;
     buffer.flush().map_err(|e| Error::write(path, e))?;
     drop(buffer);
+    // Else a loss of power after the renaming could leave an empty file in place of the old image.
+    (file.as_file().sync_all()).map_err(|e| Error::write(path, e))?;
     (file.persist(path)).map_err(|e| Error::write(path, e.error))?;
     Ok(())
 }
