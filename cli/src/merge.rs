@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use tyndall_core::{Rgb, Spectrum};
 use tyndall_driver::Film;
 use tyndall_scene_io::{
-    Features, Metadata, RenderOutput, RenderedImage, TooManyPasses, check_writable, read_exr,
+    Features, Metadata, RenderOutput, RenderedImage, TooManyPasses, View, check_writable, read_exr,
     write_exr,
 };
 
@@ -74,18 +74,12 @@ fn merge<S: Spectrum>(
     }
     // What was stopped is whole in the merge: its passes are counted.
     metadata.notes.retain(|note| note != INTERRUPTED);
-    let [width, height] = film.resolution();
-    write_exr(
+    write(
         output,
-        &RenderOutput {
-            width,
-            height,
-            radiance: &spectra::<S>(film.mean().iter().copied()),
-            variance: &spectra::<S>(film.variance_of_mean()),
-            features: features.as_ref(),
-            view: first.view.as_ref(),
-            metadata: &metadata,
-        },
+        &film,
+        features.as_ref(),
+        first.view.as_ref(),
+        &metadata,
     )?;
     message(&format!(
         "{}: {} passes of {} images, relative error {:.2} %",
@@ -96,6 +90,26 @@ fn merge<S: Spectrum>(
     ));
     tell(&metadata);
     Ok(())
+}
+
+fn write<S: Spectrum>(
+    path: &Path,
+    film: &Film<S>,
+    features: Option<&Features>,
+    view: Option<&View>,
+    metadata: &Metadata,
+) -> Result<(), tyndall_scene_io::Error> {
+    let [width, height] = film.resolution();
+    let output = RenderOutput {
+        width,
+        height,
+        radiance: &spectra::<S>(film.mean().iter().copied()),
+        variance: &spectra::<S>(film.variance_of_mean()),
+        features,
+        view,
+        metadata,
+    };
+    write_exr(path, &output)
 }
 
 /// The passes behind an image.
