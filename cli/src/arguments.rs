@@ -23,7 +23,7 @@ Exit codes:
 #[command(
     name = "tyndall",
     version,
-    about = "Renders scenes with participating media",
+    about = "Renders scenes with participating media: scene files (TOML) and glTF (.gltf, .glb)",
     after_help = EXIT_CODES
 )]
 pub(crate) struct Arguments {
@@ -52,9 +52,10 @@ pub(crate) enum Command {
 
 #[derive(Debug, Args)]
 pub(crate) struct RenderArguments {
-    /// The scene file (TOML).
+    /// The scene: a scene file (TOML), or a glTF file (`.gltf`, `.glb`).
     pub(crate) scene: PathBuf,
-    /// The image: radiance and its variance, as EXR.
+    /// The image, as EXR: radiance, its variance, samples, and the albedo, normal and depth that
+    /// denoisers take.
     #[arg(short, long, value_name = "OUT.exr", value_parser = exr)]
     pub(crate) output: PathBuf,
     /// A tone-mapped copy.
@@ -74,21 +75,21 @@ pub(crate) struct RenderArguments {
     /// Overrides a value of the scene file, as in `--set film.width=64`.
     #[arg(long, value_name = "KEY=VALUE", value_parser = assignment)]
     pub(crate) set: Vec<(String, String)>,
-    /// Go on from OUT.exr.checkpoint, which a render leaves every minute and on Ctrl-C: the image
-    /// is the same to the bit as without the interruption.
+    /// Go on from OUT.exr.checkpoint, which a render leaves now and then and on Ctrl-C: the
+    /// image is the same to the bit as without the interruption.
     #[arg(long)]
     pub(crate) resume: bool,
     /// Show the image in a running tev while it renders.
     #[arg(long, value_name = "HOST:PORT", value_parser = address)]
     pub(crate) tev: Option<String>,
-    /// Time between checkpoints, for tests.
-    #[arg(long, value_name = "TIME", value_parser = duration, default_value = "60s", hide = true)]
+    /// Time between checkpoints.
+    #[arg(long, value_name = "TIME", value_parser = duration, default_value = "60s")]
     pub(crate) checkpoint_interval: Duration,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct InspectArguments {
-    /// The scene file.
+    /// The scene: a scene file (TOML), or a glTF file (`.gltf`, `.glb`).
     pub(crate) scene: PathBuf,
     /// For programs: JSON instead of text.
     #[arg(long)]

@@ -75,6 +75,10 @@ impl Checkpoint {
         &self.path
     }
 
+    pub(crate) fn identity(&self) -> &Identity {
+        &self.identity
+    }
+
     /// Of the scene, as text.
     pub(crate) fn fingerprint(&self) -> String {
         blake3::Hash::from_bytes(self.identity.scene).to_string()

@@ -23,9 +23,7 @@ const INTERRUPTED: i32 = 130;
 /// Renders and writes.
 pub(crate) fn run(arguments: &RenderArguments) -> Result<(), Error> {
     let file = SceneFile::load(&arguments.scene, &arguments.set)?;
-    for notice in file.notices() {
-        message(&format!("notice: {notice}"));
-    }
+    tell_notices(&file);
     check_writable(&arguments.output)?;
     if let Some(png) = &arguments.png {
         check_writable(png)?;
@@ -48,6 +46,13 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<(), Error> {
             render::<Rgb>(arguments, &file, &cancelled)
         }
     })
+}
+
+/// Says what of the scene's files was left out.
+pub(crate) fn tell_notices(file: &SceneFile) {
+    for notice in file.notices() {
+        message(&format!("notice: {notice}"));
+    }
 }
 
 /// With the channels that the scene has.
@@ -82,19 +87,12 @@ fn render<S: Spectrum>(
     let mut keeper = Keeper::new(&checkpoint, arguments.checkpoint_interval);
     let snapshot = passes(arguments, render, budget, &mut keeper)?;
     let interrupted = cancelled.load(Ordering::Relaxed);
-    let film = snapshot.film();
     let metadata = Metadata {
         scene: arguments.scene.display().to_string(),
-        fingerprint: checkpoint.fingerprint(),
-        integrator: describe(name, config),
-        seed: arguments.seed,
-        passes: film.passes(),
-        seconds: snapshot.elapsed().as_secs_f64(),
-        version: env!("CARGO_PKG_VERSION").into(),
-        notes: image::notes(config, film, interrupted),
-        ..Metadata::default()
+        notes: image::notes(config, snapshot.film(), interrupted),
+        ..metadata(&checkpoint, &snapshot)
     };
-    let written = image::write(arguments, &scene, film, &metadata);
+    let written = image::write(arguments, &scene, snapshot.film(), &metadata);
     if !interrupted && written.is_ok() {
         keeper.finish(message);
     } else if keeper.keep(&snapshot, message) {
@@ -105,14 +103,32 @@ fn render<S: Spectrum>(
     message(&format!(
         "{}: {} passes in {:.1} s, relative error {:.2} %",
         arguments.output.display(),
-        film.passes(),
+        metadata.passes,
         metadata.seconds,
-        100.0 * film.relative_error(),
+        100.0 * snapshot.film().relative_error(),
     ));
-    for note in &metadata.notes {
-        message(&format!("note: {note}"));
-    }
+    image::tell(&metadata);
     Ok(())
+}
+
+/// How the image of a render came to be.
+fn metadata<S: Spectrum>(checkpoint: &Checkpoint, snapshot: &Snapshot<S>) -> Metadata {
+    let Identity {
+        version,
+        integrator,
+        seed,
+        ..
+    } = checkpoint.identity().clone();
+    Metadata {
+        fingerprint: checkpoint.fingerprint(),
+        integrator,
+        seed,
+        passes: snapshot.film().passes(),
+        seconds: snapshot.elapsed().as_secs_f64(),
+        version,
+        non_finite: snapshot.film().non_finite(),
+        ..Metadata::default()
+    }
 }
 
 /// What an earlier render of the same image left, if it is to be continued.

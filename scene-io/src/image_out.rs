@@ -5,7 +5,7 @@ mod passes;
 mod png_file;
 
 pub use exr_file::write_exr;
-pub use passes::PassRange;
+pub use passes::{PassRange, TooManyPasses};
 pub use png_file::write_png;
 
 use crate::{Error, Features};
@@ -71,7 +71,9 @@ pub struct Metadata {
     pub seconds: f64,
     /// Version of the program.
     pub version: String,
-    /// What else a reader must know: a bias, samples that were not finite.
+    /// Samples that were NaN or infinite and count as black: a defect.
+    pub non_finite: u64,
+    /// What else a reader must know: a bias.
     pub notes: Vec<String>,
 }
 
@@ -121,6 +123,8 @@ fn write_whole(
     write(&mut buffer).map_err(|e| Error::write(path, e))?;
     buffer.flush().map_err(|e| Error::write(path, e))?;
     drop(buffer);
+    // Else a loss of power after the renaming could leave an empty file in place of the old image.
+    (file.as_file().sync_all()).map_err(|e| Error::write(path, e))?;
     (file.persist(path)).map_err(|e| Error::write(path, e.error))?;
     Ok(())
 }

@@ -30,7 +30,7 @@ pub use features::Features;
 pub use file::{IntegratorConfig, Scattering, SceneFile};
 pub use host::{Hit, Presence};
 pub use image_out::{
-    Metadata, PassRange, RenderOutput, View, check_writable, write_exr, write_png,
+    Metadata, PassRange, RenderOutput, TooManyPasses, View, check_writable, write_exr, write_png,
 };
 pub use material::{fresnel_conductor, fresnel_dielectric};
 pub use rendered::{RenderedImage, read_exr};
