@@ -7,6 +7,7 @@ mod light;
 mod material;
 mod medium;
 mod mtl;
+mod obj_shape;
 mod overrides;
 mod reader;
 mod shape;
@@ -22,6 +23,7 @@ use crate::camera::Camera;
 use crate::light::Light;
 use crate::media::MediumDescription;
 use crate::spectrum::is_grey;
+use crate::texture::Budget;
 use crate::{Error, Place, Scene};
 use glam::DVec3;
 use include::Included;
@@ -105,19 +107,25 @@ impl SceneFile {
         table.expect(&SECTIONS);
         table.finish()?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        let included = Included::read(&listed(&table, "include")?, folder, direct)?;
+        let budget = Budget::default();
+        let included = Included::read(&listed(&table, "include")?, folder, direct, &budget)?;
         drop(table);
         included.look_through(&mut root, path)?;
-        Self::read(path, &root, included)
+        Self::read(path, &root, included, &budget)
     }
 
-    fn read(path: &Path, root: &Node, mut included: Included) -> Result<Self, Error> {
+    fn read(
+        path: &Path,
+        root: &Node,
+        mut included: Included,
+        budget: &Budget,
+    ) -> Result<Self, Error> {
         let folder = path.parent().unwrap_or(Path::new(""));
         let table = Field::root(root).table()?;
         let media = media_fields(&table)?;
         let names: Vec<_> = media.iter().map(|(name, _)| *name).collect();
         let mut media_names: Vec<_> = names.iter().map(|&name| name.into()).collect();
-        let mut shapes = materials_and_shapes(&table, folder, &names)?;
+        let mut shapes = materials_and_shapes(&table, (folder, budget), &names)?;
         let fields = listed(&table, "include")?;
         let included_media = included.add_to(&fields, &mut shapes, &mut media_names)?;
         let (materials, placed) = (shapes.materials, shapes.placed);
@@ -250,11 +258,11 @@ fn media_fields<'a>(table: &Table<'a>) -> Result<Vec<(&'a str, Field<'a>)>, Erro
 
 fn materials_and_shapes<'a>(
     table: &Table<'_>,
-    folder: &'a Path,
+    (folder, budget): (&'a Path, &'a Budget),
     media: &[&str],
 ) -> Result<shape::Reader<'a>, Error> {
     let mut reader = shape::Reader {
-        textures: texture::Textures::new(folder),
+        textures: texture::Textures::new(folder, budget),
         names: Vec::new(),
         materials: Vec::new(),
         placed: Vec::new(),

@@ -24,6 +24,7 @@ pub(crate) use node::SceneChoice;
 use crate::Error;
 use crate::file::{Material, Solid};
 use crate::media::MediumDescription;
+use crate::texture::Budget;
 use document::Document;
 use glam::DAffine3;
 use std::collections::BTreeSet;
@@ -72,12 +73,12 @@ pub(crate) struct Named {
     pub(crate) material: Material,
 }
 
-/// Reads a `.gltf` or `.glb` file, its buffers and its images.
+/// Reads a `.gltf` or `.glb` file, its buffers and its images; the latter on a budget.
 ///
 /// # Errors
 /// [`Error::Read`], or [`Error::Gltf`] with the first thing that is wrong: where in the JSON, and
 /// the mend.
-pub(crate) fn load(path: &Path, options: &Options) -> Result<Loaded, Error> {
+pub(crate) fn load(path: &Path, options: &Options, budget: &Budget) -> Result<Loaded, Error> {
     let mut loaded = Loaded::default();
     let document = Document::open(path, options.draft_extensions, &mut loaded.notices)?;
     let nodes = node::walk(&document, options.scene.as_ref(), options.transform)?;
@@ -85,7 +86,7 @@ pub(crate) fn load(path: &Path, options: &Options) -> Result<Loaded, Error> {
     let used: BTreeSet<Option<usize>> = primitives.iter().map(|p| p.material).collect();
     let conventions = (options.scale(), options.draft_extensions);
     let mut sets = Vec::new();
-    let mut reader = material::Reader::new(&document, conventions, &mut loaded.notices);
+    let mut reader = material::Reader::new(&document, conventions, budget, &mut loaded.notices);
     for index in &used {
         let read = reader.read(*index)?;
         let mut material = read.material;

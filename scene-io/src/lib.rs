@@ -21,6 +21,7 @@ mod rendered;
 mod scene;
 mod sources;
 mod spectrum;
+mod srgb;
 mod summary;
 mod texture;
 mod vol;
@@ -36,6 +37,7 @@ pub use material::{fresnel_conductor, fresnel_dielectric};
 pub use rendered::{RenderedImage, read_exr};
 pub use scene::Scene;
 pub use sources::sources;
+pub use srgb::srgb_encode;
 pub use summary::{
     CameraSummary, Caustics, GeometrySummary, LightSummary, MediumSummary, Needed, Summary,
     TransportSummary,

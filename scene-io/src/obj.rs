@@ -6,7 +6,7 @@ use crate::Error;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use tobj::LoadError;
 
 /// The faces of one material in an OBJ file.
@@ -24,9 +24,16 @@ pub(crate) struct Group {
 pub(crate) struct Obj {
     pub(crate) groups: BTreeMap<String, Group>,
     /// The materials that the MTL files define.
-    pub(crate) materials: BTreeMap<String, tobj::Material>,
+    pub(crate) materials: BTreeMap<String, Mtl>,
     /// Why there are no materials, if a file of them could not be read.
     pub(crate) mtl_problem: Option<String>,
+}
+
+/// A material of an MTL file.
+pub(crate) struct Mtl {
+    pub(crate) material: tobj::Material,
+    /// Where the MTL file is, and what its textures are named from.
+    pub(crate) folder: PathBuf,
 }
 
 /// Reads an OBJ file and the MTL files that it names. Polygons become triangles; points and lines
@@ -48,13 +55,20 @@ pub(crate) fn read(path: &Path) -> Result<Obj, Error> {
     };
     let folder = path.parent().unwrap_or(Path::new(""));
     let complaint = RefCell::new(None);
+    // One for each material, in their order.
+    let folders = RefCell::new(Vec::new());
     let load_mtl = |mtl: &Path| {
-        let bytes = std::fs::read(folder.join(mtl)).map_err(|_| LoadError::OpenFileFailed)?;
+        let path = folder.join(mtl);
+        let bytes = std::fs::read(&path).map_err(|_| LoadError::OpenFileFailed)?;
         if let Err(why) = check::mtl(&bytes) {
             complaint.replace(Some(why));
             return Err(LoadError::MaterialParseError);
         }
-        tobj::load_mtl_buf(&mut bytes.as_slice())
+        let loaded = tobj::load_mtl_buf(&mut bytes.as_slice())?;
+        let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+        let count = loaded.0.len();
+        (folders.borrow_mut()).extend(std::iter::repeat_n(folder, count));
+        Ok(loaded)
     };
     check::obj(&bytes).map_err(problem)?;
     let loaded = tobj::load_obj_buf(&mut bytes.as_slice(), &options, load_mtl);
@@ -80,10 +94,12 @@ pub(crate) fn read(path: &Path) -> Result<Obj, Error> {
             "has no faces: export the mesh, not only its curves".into(),
         ));
     }
-    let materials = materials.into_iter().map(|m| (m.name.clone(), m));
+    let materials = materials.into_iter().zip(folders.into_inner());
+    let named =
+        |(material, folder): (tobj::Material, _)| (material.name.clone(), Mtl { material, folder });
     Ok(Obj {
         groups,
-        materials: materials.collect(),
+        materials: materials.map(named).collect(),
         mtl_problem,
     })
 }

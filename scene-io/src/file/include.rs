@@ -5,6 +5,7 @@ use super::reader::{Field, Table};
 use super::shape::{self, transform};
 use crate::gltf::{self, Lamp, Loaded, Options, Projection, SceneChoice, View};
 use crate::media::MediumDescription;
+use crate::texture::Budget;
 use crate::{Error, Place};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -32,8 +33,15 @@ pub(super) fn is_gltf(path: &Path) -> bool {
 
 impl Included {
     /// Reads the files of all includes; `direct` if the scene is but one, of that file.
-    pub(super) fn read(fields: &[Field<'_>], folder: &Path, direct: bool) -> Result<Self, Error> {
-        let files = fields.iter().map(|field| read(field, folder, direct));
+    pub(super) fn read(
+        fields: &[Field<'_>],
+        folder: &Path,
+        direct: bool,
+        budget: &Budget,
+    ) -> Result<Self, Error> {
+        let files = fields
+            .iter()
+            .map(|field| read(field, folder, direct, budget));
         let files = files.collect::<Result<_, _>>()?;
         Ok(Self { files, direct })
     }
@@ -104,7 +112,7 @@ impl Included {
 }
 
 /// Reads the file of an include.
-fn read(field: &Field<'_>, folder: &Path, direct: bool) -> Result<Loaded, Error> {
+fn read(field: &Field<'_>, folder: &Path, direct: bool, budget: &Budget) -> Result<Loaded, Error> {
     let table = field.table()?;
     let file = table.required("file")?;
     let path = folder.join(file.string()?);
@@ -114,7 +122,7 @@ fn read(field: &Field<'_>, folder: &Path, direct: bool) -> Result<Loaded, Error>
     let options = options(&table)?;
     table.expect(&["materials"]);
     table.finish()?;
-    gltf::load(&path, &options).map_err(|e| if direct { e } else { file.error(e) })
+    gltf::load(&path, &options, budget).map_err(|e| if direct { e } else { file.error(e) })
 }
 
 fn options(table: &Table<'_>) -> Result<Options, Error> {

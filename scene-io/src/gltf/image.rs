@@ -3,7 +3,7 @@
 use super::document::Document;
 use super::uri;
 use crate::Error;
-use crate::texture::{ColourSpace, Filter, Texture, Wrap};
+use crate::texture::{Budget, ColourSpace, Filter, Texture, Wrap};
 use gltf::json::Index;
 use gltf::json::texture::{self, MagFilter, WrappingMode};
 use gltf::json::validation::Checked;
@@ -13,19 +13,16 @@ use std::sync::Arc;
 /// Textures that were read.
 pub(super) struct Textures<'a> {
     document: &'a Document,
+    budget: &'a Budget,
     known: HashMap<(usize, bool), Arc<Texture>>,
-    texels: u64,
 }
 
-/// Texels of all textures of a file at most: an image of one colour says much in few bytes.
-const MAX_TEXELS: u64 = 1 << 30;
-
 impl<'a> Textures<'a> {
-    pub(super) fn of(document: &'a Document) -> Self {
+    pub(super) fn of(document: &'a Document, budget: &'a Budget) -> Self {
         Self {
             document,
+            budget,
             known: HashMap::new(),
-            texels: 0,
         }
     }
 
@@ -43,15 +40,9 @@ impl<'a> Textures<'a> {
         let description = &root.textures[index.value()];
         let image = description.source.value();
         let bytes = self.bytes(image)?;
-        let texture = Texture::decode(&bytes, space);
+        let texture = Texture::decode(&bytes, space, self.budget);
         let mut texture =
             texture.map_err(|problem| self.document.error(format!("images[{image}]"), problem))?;
-        let [width, height] = texture.size().map(u64::from);
-        self.texels += width * height;
-        if self.texels > MAX_TEXELS {
-            let why = "has, with those before it, more than 2³⁰ texels: scale images down";
-            return Err(self.document.error(format!("images[{image}]"), why));
-        }
         if let Some(sampler) = description.sampler {
             let sampler = &root.samplers[sampler.value()];
             texture.wrap = [&sampler.wrap_s, &sampler.wrap_t].map(wrap);
