@@ -2,9 +2,13 @@
 
 use crate::diff::DiffArguments;
 use crate::merge::MergeArguments;
+use crate::render::INTEGRATORS;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
+use std::fmt::Display;
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
+use std::str::FromStr;
 use std::time::Duration;
 use tyndall_driver::Budget;
 
@@ -61,15 +65,15 @@ pub(crate) struct RenderArguments {
     #[arg(long, value_name = "OUT.png")]
     pub(crate) png: Option<PathBuf>,
     /// Instead of the scene's own integrator.
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", value_parser = INTEGRATORS)]
     pub(crate) integrator: Option<String>,
     #[command(flatten)]
     budget: BudgetArguments,
     /// Another seed gives an independent image.
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = |text: &str| whole(text, 0..=u64::MAX))]
     pub(crate) seed: u64,
     /// Threads to render on; all cores by default.
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_parser = |text: &str| whole(text, 1..=u16::MAX))]
     pub(crate) threads: Option<u16>,
     /// Overrides a value of the scene file, as in `--set film.width=64`.
     #[arg(long, value_name = "KEY=VALUE", value_parser = assignment)]
@@ -103,7 +107,7 @@ pub(crate) struct InspectArguments {
 #[group(multiple = false)]
 struct BudgetArguments {
     /// Stop after this many passes (samples a pixel).
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", value_parser = |text: &str| whole(text, 1..=u64::MAX))]
     passes: Option<u64>,
     /// Stop after this time, as in 30s, 5m, 1h.
     #[arg(long, value_name = "TIME", value_parser = duration)]
@@ -148,6 +152,15 @@ fn address(text: &str) -> Result<String, String> {
         Some((host, port)) if !host.is_empty() && port.parse::<u16>().is_ok() => Ok(text.into()),
         _ => Err("expected HOST:PORT, as in localhost:14158 (where tev listens by default)".into()),
     }
+}
+
+fn whole<T>(text: &str, range: RangeInclusive<T>) -> Result<T, String>
+where
+    T: FromStr + PartialOrd + Display,
+{
+    let (least, most) = (range.start(), range.end());
+    let number = text.parse().ok().filter(|n| range.contains(n));
+    number.ok_or_else(|| format!("expected a whole number from {least} to {most}"))
 }
 
 fn positive(text: &str) -> Result<f64, String> {

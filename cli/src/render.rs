@@ -60,7 +60,10 @@ fn render<S: Spectrum>(
 ) -> Result<(), Error> {
     let config = file.integrator();
     let name = arguments.integrator.as_ref().unwrap_or(&config.name);
-    let integrator = integrator(name, config)?;
+    let integrator = integrator(name, config).ok_or_else(|| Error::UnknownIntegrator {
+        scene: arguments.scene.clone(),
+        name: name.clone(),
+    })?;
     let checkpoint = Checkpoint::beside(
         &arguments.output,
         Identity {
@@ -168,18 +171,21 @@ fn passes<S: Spectrum>(
     Ok(snapshot)
 }
 
+/// Names of integrators.
+pub(crate) const INTEGRATORS: [&str; 1] = ["path"];
+
 /// The integrator of this name, as the scene configures it.
 fn integrator<S: Spectrum>(
     name: &str,
     config: &IntegratorConfig,
-) -> Result<Box<dyn AnyIntegrator<Scene<S>, PassStreams>>, Error> {
+) -> Option<Box<dyn AnyIntegrator<Scene<S>, PassStreams>>> {
     match name {
-        "path" => Ok(Box::new(
+        "path" => Some(Box::new(
             Path::new()
                 .max_depth(config.max_depth)
                 .scattering(scattering(config)),
         )),
-        _ => Err(Error::UnknownIntegrator(name.into())),
+        _ => None,
     }
 }
 

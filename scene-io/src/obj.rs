@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::Path;
-use tobj::LoadError;
+use tobj::{LoadError, MTLLoadResult};
 
 /// The faces of one material in an OBJ file.
 #[derive(Clone, Debug, Default)]
@@ -48,22 +48,16 @@ pub(crate) fn read(path: &Path) -> Result<Obj, Error> {
     };
     let folder = path.parent().unwrap_or(Path::new(""));
     let complaint = RefCell::new(None);
-    let load_mtl = |mtl: &Path| {
-        let bytes = std::fs::read(folder.join(mtl)).map_err(|_| LoadError::OpenFileFailed)?;
-        if let Err(why) = check::mtl(&bytes) {
-            complaint.replace(Some(why));
-            return Err(LoadError::MaterialParseError);
-        }
-        tobj::load_mtl_buf(&mut bytes.as_slice())
-    };
+    let load_mtl = |mtl: &Path| read_mtl(&folder.join(mtl), &complaint);
     check::obj(&bytes).map_err(problem)?;
     let loaded = tobj::load_obj_buf(&mut bytes.as_slice(), &options, load_mtl);
-    let (models, materials) = loaded.map_err(|e| problem(format!("is no OBJ file: {e}")))?;
+    let (models, materials) =
+        loaded.map_err(|e| problem(format!("is no OBJ file: {e}: export it again")))?;
     let (materials, mtl_problem) = match materials {
         Ok(materials) => (materials, None),
         Err(e) => {
             let why = complaint.take().unwrap_or_else(|| e.to_string());
-            (Vec::new(), Some(format!("its MTL file is unusable: {why}")))
+            (Vec::new(), Some(why))
         }
     };
     let mut groups = BTreeMap::new();
@@ -88,6 +82,23 @@ pub(crate) fn read(path: &Path) -> Result<Obj, Error> {
     })
 }
 
+/// Reads an MTL file; what is wrong with it becomes the `complaint`.
+fn read_mtl(path: &Path, complaint: &RefCell<Option<String>>) -> MTLLoadResult {
+    let complain = |why: String, error| {
+        complaint.replace(Some(why));
+        error
+    };
+    let bytes = std::fs::read(path).map_err(|source| {
+        let path = path.to_owned();
+        let why = Error::Read { path, source }.to_string();
+        complain(why, LoadError::OpenFileFailed)
+    })?;
+    let wrong = |why: &str| format!("{}: is no MTL file: {why}", path.display());
+    check::mtl(&bytes).map_err(|why| complain(wrong(&why), LoadError::MaterialParseError))?;
+    let read = tobj::load_mtl_buf(&mut bytes.as_slice());
+    read.map_err(|e| complain(wrong(&e.to_string()), e))
+}
+
 impl Group {
     fn append(&mut self, mesh: &tobj::Mesh) -> Result<(), String> {
         let first = self.positions.len() as u32;
@@ -96,7 +107,7 @@ impl Group {
         };
         let positions = vectors(&mesh.positions);
         if let Some(bad) = positions.iter().find(|p| !p.is_finite()) {
-            return Err(format!("vertex {bad} is not finite"));
+            return Err(format!("vertex {bad} is not finite: export it again"));
         }
         let mut normals: Vec<_> = vectors(&mesh.normals).iter().map(|n| n.as_vec3()).collect();
         // Faces without normals beside faces with them: zero, which means the geometric normal.
@@ -110,7 +121,9 @@ impl Group {
             .map(|c| DVec2::from_slice(c).as_vec2())
             .collect();
         if let Some(bad) = uvs.iter().find(|uv| !uv.is_finite()) {
-            return Err(format!("texture coordinate {bad} is not finite"));
+            return Err(format!(
+                "texture coordinate {bad} is not finite: export it again"
+            ));
         }
         if uvs.is_empty() != self.uvs.is_empty() {
             uvs.resize(positions.len(), Vec2::ZERO);

@@ -64,8 +64,11 @@ pub fn read_exr(path: &Path) -> Result<RenderedImage, Error> {
     };
     let file = File::open(path).map_err(unreadable)?;
     let length = file.metadata().map_err(unreadable)?.len();
-    let reader = exr::block::read(BufReader::new(file), false)
-        .map_err(|e| wrong(format!("is no EXR file that can be read: {e}")))?;
+    let reader = exr::block::read(BufReader::new(file), false).map_err(|e| {
+        wrong(format!(
+            "is no EXR file that can be read: {e}: export it again"
+        ))
+    })?;
     let selection = Selection::of(reader.headers()).map_err(wrong)?;
     let header = reader.headers()[selection.part].clone();
     let metadata = attributes::read(&header).map_err(wrong)?;
