@@ -62,7 +62,7 @@ pub(crate) struct RenderArguments {
     #[arg(short, long, value_name = "OUT.exr", value_parser = exr)]
     pub(crate) output: PathBuf,
     /// A tone-mapped copy.
-    #[arg(long, value_name = "OUT.png")]
+    #[arg(long, value_name = "OUT.png", value_parser = png)]
     pub(crate) png: Option<PathBuf>,
     /// Instead of the scene's own integrator.
     #[arg(long, value_name = "NAME", value_parser = INTEGRATORS)]
@@ -133,11 +133,19 @@ impl RenderArguments {
 }
 
 pub(crate) fn exr(text: &str) -> Result<PathBuf, String> {
+    let path = named(text, "exr");
+    path.ok_or_else(|| "the image is an EXR: name it OUT.exr (a PNG comes with --png)".into())
+}
+
+fn png(text: &str) -> Result<PathBuf, String> {
+    named(text, "png").ok_or_else(|| "the copy is a PNG: name it OUT.png".into())
+}
+
+/// A path with this extension.
+fn named(text: &str, extension: &str) -> Option<PathBuf> {
     let path = PathBuf::from(text);
-    match path.extension() {
-        Some(extension) if extension.eq_ignore_ascii_case("exr") => Ok(path),
-        _ => Err("the image is an EXR: name it OUT.exr (a PNG comes with --png)".into()),
-    }
+    let found = path.extension()?;
+    found.eq_ignore_ascii_case(extension).then_some(path)
 }
 
 fn assignment(text: &str) -> Result<(String, String), String> {
@@ -179,5 +187,5 @@ fn duration(text: &str) -> Result<Duration, String> {
         unit => return Err(format!("the unit `{unit}` is none of s, m, h")),
     };
     let time = positive(digits).map_err(|_| "expected a time, as in 30s, 5m or 1h".to_string())?;
-    Duration::try_from_secs_f64(time * seconds).map_err(|e| e.to_string())
+    Duration::try_from_secs_f64(time * seconds).map_err(|_| "is too long: lower it".to_string())
 }

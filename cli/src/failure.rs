@@ -3,7 +3,7 @@
 use crate::checkpoint::CheckpointError;
 use crate::diff::Mismatch;
 use crate::merge::Refusal;
-use crate::progress::message;
+use crate::progress::{line, message};
 use miette::{Diagnostic, MietteHandlerOpts};
 use std::io::IsTerminal;
 use std::path::PathBuf;
@@ -47,7 +47,7 @@ impl Error {
             }));
             message(&format!("{:?}", miette::Report::new(self)));
         } else {
-            message(&format!("error: {self}"));
+            line(&format!("error: {self}"));
         }
         code
     }

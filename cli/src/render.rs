@@ -5,7 +5,7 @@ use crate::checkpoint::{Checkpoint, Identity, fingerprint};
 use crate::failure::Error;
 use crate::keeper::Keeper;
 use crate::preview::Preview;
-use crate::progress::{Bar, message};
+use crate::progress::{Bar, line, message};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use tyndall_core::{AnyIntegrator, Rgb, Spectrum};
@@ -26,7 +26,7 @@ const INTERRUPTED: i32 = 130;
 pub(crate) fn run(arguments: &RenderArguments) -> Result<(), Error> {
     let file = SceneFile::load(&arguments.scene, &arguments.set)?;
     for notice in file.notices() {
-        message(&format!("notice: {notice}"));
+        line(&format!("notice: {notice}"));
     }
     check_writable(&arguments.output)?;
     if let Some(png) = &arguments.png {

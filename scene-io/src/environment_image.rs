@@ -1,6 +1,7 @@
 //! Images of environments: OpenEXR and Radiance HDR.
 
 use crate::Error;
+use crate::open::open;
 use exr::prelude::{MetaData, ReadChannels, ReadLayers, ReadSpecificChannel, read};
 use image::ImageDecoder;
 use image::codecs::hdr::HdrDecoder;
@@ -34,8 +35,8 @@ impl EnvironmentImage {
             path: path.to_owned(),
             source,
         };
-        let mut file = BufReader::new(File::open(path).map_err(unreadable)?);
-        let length = file.get_ref().metadata().map_err(unreadable)?.len();
+        let (file, length) = open(path)?;
+        let mut file = BufReader::new(file);
         let mut magic = Vec::new();
         (file.by_ref().take(4).read_to_end(&mut magic)).map_err(unreadable)?;
         file.rewind().map_err(unreadable)?;

@@ -2,7 +2,7 @@
 
 mod check;
 
-use crate::Error;
+use crate::{Error, open};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -36,10 +36,7 @@ pub(crate) fn read(path: &Path) -> Result<Obj, Error> {
         path: path.to_owned(),
         problem,
     };
-    let bytes = std::fs::read(path).map_err(|source| Error::Read {
-        path: path.to_owned(),
-        source,
-    })?;
+    let bytes = open::read(path)?;
     let options = tobj::LoadOptions {
         triangulate: true,
         single_index: true,
@@ -88,11 +85,8 @@ fn read_mtl(path: &Path, complaint: &RefCell<Option<String>>) -> MTLLoadResult {
         complaint.replace(Some(why));
         error
     };
-    let bytes = std::fs::read(path).map_err(|source| {
-        let path = path.to_owned();
-        let why = Error::Read { path, source }.to_string();
-        complain(why, LoadError::OpenFileFailed)
-    })?;
+    let bytes = open::read(path);
+    let bytes = bytes.map_err(|e| complain(e.to_string(), LoadError::OpenFileFailed))?;
     let wrong = |why: &str| format!("{}: is no MTL file: {why}", path.display());
     check::mtl(&bytes).map_err(|why| complain(wrong(&why), LoadError::MaterialParseError))?;
     let read = tobj::load_mtl_buf(&mut bytes.as_slice());

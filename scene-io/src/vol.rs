@@ -1,8 +1,8 @@
 //! Mitsuba's `.vol` files: a regular grid of 32-bit floats.
 
 use crate::Error;
+use crate::open::open;
 use glam::DVec3;
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
@@ -40,8 +40,7 @@ pub fn read_vol(path: &Path) -> Result<Volume, Error> {
         path: path.to_owned(),
         problem,
     };
-    let mut file = File::open(path).map_err(unreadable)?;
-    let length = file.metadata().map_err(unreadable)?.len();
+    let (mut file, length) = open(path)?;
     let Some(length) = length.checked_sub(HEADER as u64) else {
         return Err(wrong(format!(
             "{length} bytes are no .vol file: write it again"

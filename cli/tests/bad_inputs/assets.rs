@@ -108,10 +108,16 @@ fn textures() -> Vec<Case> {
         let texture = "reflectance = { file = 'tile.png' }";
         broken(name, "reflectance = 0.6", texture, words)
     };
-    vec![
+    let mut cases = vec![
         case(
             "no texture",
             "scene.toml:29: … `materials.wall.reflectance.file` … tile.png … check the name",
+        ),
+        broken(
+            "a folder as texture",
+            "reflectance = 0.6",
+            "reflectance = { file = '.' }",
+            "scene.toml:29: … `materials.wall.reflectance.file` … cannot be read … name a file",
         ),
         case(
             "a text as texture",
@@ -147,7 +153,16 @@ fn textures() -> Vec<Case> {
             "scene.toml:30:16 … `materials.wall.alpha_cutoff` … needs `alpha`",
         )
         .file("tile.png", PNG),
-    ]
+    ];
+    if cfg!(unix) {
+        cases.push(broken(
+            "a texture without end",
+            "reflectance = 0.6",
+            "reflectance = { file = '/dev/zero' }",
+            "scene.toml:29: … `materials.wall.reflectance.file` … /dev/zero … name a file",
+        ));
+    }
+    cases
 }
 
 fn grids() -> Vec<Case> {

@@ -29,6 +29,12 @@ fn values() -> Vec<Case> {
             "out.png … --output … name it OUT.exr",
         ),
         case(
+            "an EXR as PNG",
+            "render scene.toml -o out.exr --png out.exr",
+            2,
+            "out.exr … --png … name it OUT.png",
+        ),
+        case(
             "no passes",
             "render scene.toml -o out.exr --passes 0",
             2,
@@ -51,6 +57,12 @@ fn values() -> Vec<Case> {
             "render scene.toml -o out.exr --time 3weeks",
             2,
             "--time … none of s, m, h",
+        ),
+        case(
+            "a time without end",
+            "render scene.toml -o out.exr --time 1e300h",
+            2,
+            "--time … too long: lower it",
         ),
         case(
             "two budgets",
@@ -156,11 +168,11 @@ fn outputs() -> Vec<Case> {
         ),
         case(
             "a folder as PNG",
-            "render scene.toml -o out.exr --png png",
+            "render scene.toml -o out.exr --png folder.png",
             4,
-            "png … name a file",
+            "folder.png … name a file",
         )
-        .file("png/", ""),
+        .file("folder.png/", ""),
     ];
     if cfg!(target_os = "linux") {
         // Not even the superuser makes files there.

@@ -74,6 +74,24 @@ fn documents() -> Vec<Case> {
             "mesh.gltf … `extensionsRequired` … KHR_draco_mesh_compression … export without",
         ),
         case(
+            "an extension of two lines",
+            "\"scene\": 0,",
+            "\"scene\": 0, \"extensionsRequired\": [\"a\\nerror: b\"],",
+            "mesh.gltf … `extensionsRequired` … a; error: b … export without",
+        ),
+        case(
+            "a buffer on the web",
+            "mesh.bin",
+            "https://example.com/mesh.bin",
+            "mesh.gltf … `buffers[0].uri` … download it",
+        ),
+        case(
+            "a buffer of no base64",
+            "mesh.bin",
+            "data:;base64,@",
+            "mesh.gltf … `buffers[0].uri` … no base64 … export again",
+        ),
+        case(
             "no camera",
             "\"camera\": 0, ",
             "",

@@ -121,6 +121,24 @@ fn values() -> Vec<Case> {
             "scene.toml:1:1 … `camera` … `look_at` is missing … add it",
         ),
         broken(
+            "two unknown keys",
+            "fov = 45",
+            "fov = 45\nfoo = 1\nbar = 2",
+            "scene.toml:5:1 … `camera.foo` … scene.toml:6:1 … `camera.bar` … known here: `kind`",
+        ),
+        broken(
+            "a file name of two lines",
+            "radiance = 1",
+            "file = \"a\\nerror: b\"",
+            "scene.toml:48:8 … `environment.file` … a; error: b … check the name",
+        ),
+        broken(
+            "a tower of arrays",
+            "radiance = 1",
+            &"[".repeat(10_000).replacen('[', "radiance = [", 1),
+            "scene.toml:48:92 … not TOML … max recursion depth",
+        ),
+        broken(
             "an unknown section",
             "[environment]",
             "[enviroment]",

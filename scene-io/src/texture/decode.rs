@@ -1,7 +1,7 @@
 //! From image files to texels, and from those to linear numbers.
 
 use super::ColourSpace;
-use crate::Error;
+use crate::{Error, open};
 use glam::Vec4;
 use image::{DynamicImage, ImageFormat, ImageReader, Limits};
 use std::io::Cursor;
@@ -15,10 +15,7 @@ const MAX_BYTES: u64 = 1 << 30;
 const MAX_RATIO: u64 = 1 << 14;
 
 pub(super) fn read(path: &Path) -> Result<DynamicImage, Error> {
-    let bytes = std::fs::read(path).map_err(|source| Error::Read {
-        path: path.to_owned(),
-        source,
-    })?;
+    let bytes = open::read(path)?;
     decode(&bytes).map_err(|problem| Error::Build {
         path: path.to_owned(),
         problem,
