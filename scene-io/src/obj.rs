@@ -54,7 +54,7 @@ pub(crate) fn read(path: &Path) -> Result<Obj, Error> {
         Ok(materials) => (materials, None),
         Err(e) => {
             let why = complaint.take().unwrap_or_else(|| e.to_string());
-            (Vec::new(), Some(why))
+            (Vec::new(), Some(format!("its MTL file is unusable: {why}")))
         }
     };
     let mut groups = BTreeMap::new();
@@ -87,7 +87,7 @@ fn read_mtl(path: &Path, complaint: &RefCell<Option<String>>) -> MTLLoadResult {
     };
     let bytes = open::read(path);
     let bytes = bytes.map_err(|e| complain(e.to_string(), LoadError::OpenFileFailed))?;
-    let wrong = |why: &str| format!("{}: is no MTL file: {why}", path.display());
+    let wrong = |why: &str| format!("{}: {why}", path.display());
     check::mtl(&bytes).map_err(|why| complain(wrong(&why), LoadError::MaterialParseError))?;
     let read = tobj::load_mtl_buf(&mut bytes.as_slice());
     read.map_err(|e| complain(wrong(&e.to_string()), e))
