@@ -95,7 +95,11 @@ impl Checkpoint {
             opened => opened.and_then(read_body),
         };
         let body = body
-            .map_err(|e| error(format!("cannot be read: {e}")))?
+            .map_err(|e| {
+                error(format!(
+                    "cannot be read: {e}: remove it, or render without --resume"
+                ))
+            })?
             .map_err(|what| error(format!("{what}: remove it, or render without --resume")))?;
         let damaged = |_| error("is damaged: remove it, or render without --resume".into());
         let (identity, rest) = postcard::take_from_bytes::<Identity>(&body).map_err(damaged)?;

@@ -6,7 +6,7 @@ use crate::failure::Error;
 use crate::image;
 use crate::keeper::Keeper;
 use crate::preview::Preview;
-use crate::progress::{Bar, message};
+use crate::progress::{Bar, line, message};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use tyndall_core::{AnyIntegrator, Rgb, Spectrum};
@@ -51,7 +51,7 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<(), Error> {
 /// Says what of the scene's files was left out.
 pub(crate) fn tell_notices(file: &SceneFile) {
     for notice in file.notices() {
-        message(&format!("notice: {notice}"));
+        line(&format!("notice: {notice}"));
     }
 }
 
@@ -63,7 +63,10 @@ fn render<S: Spectrum>(
 ) -> Result<(), Error> {
     let config = file.integrator();
     let name = arguments.integrator.as_ref().unwrap_or(&config.name);
-    let integrator = integrator(name, config)?;
+    let integrator = integrator(name, config).ok_or_else(|| Error::UnknownIntegrator {
+        scene: arguments.scene.clone(),
+        name: name.clone(),
+    })?;
     let checkpoint = Checkpoint::beside(
         &arguments.output,
         Identity {
@@ -182,18 +185,21 @@ fn passes<S: Spectrum>(
     Ok(snapshot)
 }
 
+/// Names of integrators.
+pub(crate) const INTEGRATORS: [&str; 1] = ["path"];
+
 /// The integrator of this name, as the scene configures it.
 fn integrator<S: Spectrum>(
     name: &str,
     config: &IntegratorConfig,
-) -> Result<Box<dyn AnyIntegrator<Scene<S>, PassStreams>>, Error> {
+) -> Option<Box<dyn AnyIntegrator<Scene<S>, PassStreams>>> {
     match name {
-        "path" => Ok(Box::new(
+        "path" => Some(Box::new(
             Path::new()
                 .max_depth(config.max_depth)
                 .scattering(scattering(config)),
         )),
-        _ => Err(Error::UnknownIntegrator(name.into())),
+        _ => None,
     }
 }
 

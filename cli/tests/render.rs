@@ -142,9 +142,16 @@ fn what_cannot_be_is_one_message_and_an_exit_code_of_its_kind() {
             &["film.widht", "width"],
         ),
         (
-            vec!["render", &scene, "-o", &out, "--integrator", "photons"],
-            1,
-            &["photons", "path"],
+            vec![
+                "render",
+                &scene,
+                "-o",
+                &out,
+                "--set",
+                "integrator.kind=photons",
+            ],
+            3,
+            &["laser.toml", "`integrator.kind`", "photons", "path"],
         ),
         (
             vec!["render", &scene, "-o", &nowhere],
@@ -175,6 +182,7 @@ fn a_wrong_command_line_is_exit_2() {
             "render", &scene, "-o", "out.exr", "--error", "1", "--passes", "3",
         ],
         vec!["render", &scene, "-o", "out.exr", "--set", "width"],
+        vec!["render", &scene, "-o", "out.exr", "--integrator", "photons"],
     ] {
         assert_eq!(tyndall(&arguments).status.code(), Some(2), "{arguments:?}");
     }

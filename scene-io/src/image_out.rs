@@ -11,7 +11,7 @@ pub use png_file::write_png;
 use crate::{Error, Features};
 use glam::Vec3;
 use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::{BufWriter, ErrorKind, Write};
 use std::path::Path;
 use tempfile::NamedTempFile;
 
@@ -143,5 +143,9 @@ fn temporary(path: &Path) -> Result<NamedTempFile, Error> {
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    (builder.tempfile_in(folder)).map_err(|e| Error::write(path, e))
+    (builder.tempfile_in(folder)).map_err(|e| match e.kind() {
+        ErrorKind::NotFound => Error::write(path, "its folder is not there: make the folder"),
+        ErrorKind::NotADirectory => Error::write(path, "its folder is a file: name another place"),
+        _ => Error::write(path, format!("{e}: name another place")),
+    })
 }

@@ -17,6 +17,7 @@ mod mapping;
 mod material;
 mod media;
 mod obj;
+mod open;
 mod rendered;
 mod scene;
 mod sources;

@@ -2,12 +2,12 @@
 
 mod check;
 
-use crate::Error;
+use crate::{Error, open};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use tobj::LoadError;
+use tobj::{LoadError, MTLLoadResult};
 
 /// The faces of one material in an OBJ file.
 #[derive(Clone, Debug, Default)]
@@ -43,10 +43,7 @@ pub(crate) fn read(path: &Path) -> Result<Obj, Error> {
         path: path.to_owned(),
         problem,
     };
-    let bytes = std::fs::read(path).map_err(|source| Error::Read {
-        path: path.to_owned(),
-        source,
-    })?;
+    let bytes = open::read(path)?;
     let options = tobj::LoadOptions {
         triangulate: true,
         single_index: true,
@@ -59,12 +56,7 @@ pub(crate) fn read(path: &Path) -> Result<Obj, Error> {
     let folders = RefCell::new(Vec::new());
     let load_mtl = |mtl: &Path| {
         let path = folder.join(mtl);
-        let bytes = std::fs::read(&path).map_err(|_| LoadError::OpenFileFailed)?;
-        if let Err(why) = check::mtl(&bytes) {
-            complaint.replace(Some(why));
-            return Err(LoadError::MaterialParseError);
-        }
-        let loaded = tobj::load_mtl_buf(&mut bytes.as_slice())?;
+        let loaded = read_mtl(&path, &complaint)?;
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
         let count = loaded.0.len();
         (folders.borrow_mut()).extend(std::iter::repeat_n(folder, count));
@@ -72,7 +64,8 @@ pub(crate) fn read(path: &Path) -> Result<Obj, Error> {
     };
     check::obj(&bytes).map_err(problem)?;
     let loaded = tobj::load_obj_buf(&mut bytes.as_slice(), &options, load_mtl);
-    let (models, materials) = loaded.map_err(|e| problem(format!("is no OBJ file: {e}")))?;
+    let (models, materials) =
+        loaded.map_err(|e| problem(format!("is no OBJ file: {e}: export it again")))?;
     let (materials, mtl_problem) = match materials {
         Ok(materials) => (materials, None),
         Err(e) => {
@@ -104,6 +97,20 @@ pub(crate) fn read(path: &Path) -> Result<Obj, Error> {
     })
 }
 
+/// Reads an MTL file; what is wrong with it becomes the `complaint`.
+fn read_mtl(path: &Path, complaint: &RefCell<Option<String>>) -> MTLLoadResult {
+    let complain = |why: String, error| {
+        complaint.replace(Some(why));
+        error
+    };
+    let bytes = open::read(path);
+    let bytes = bytes.map_err(|e| complain(e.to_string(), LoadError::OpenFileFailed))?;
+    let wrong = |why: &str| format!("{}: {why}", path.display());
+    check::mtl(&bytes).map_err(|why| complain(wrong(&why), LoadError::MaterialParseError))?;
+    let read = tobj::load_mtl_buf(&mut bytes.as_slice());
+    read.map_err(|e| complain(wrong(&e.to_string()), e))
+}
+
 impl Group {
     fn append(&mut self, mesh: &tobj::Mesh) -> Result<(), String> {
         let first = self.positions.len() as u32;
@@ -112,7 +119,7 @@ impl Group {
         };
         let positions = vectors(&mesh.positions);
         if let Some(bad) = positions.iter().find(|p| !p.is_finite()) {
-            return Err(format!("vertex {bad} is not finite"));
+            return Err(format!("vertex {bad} is not finite: export it again"));
         }
         let mut normals: Vec<_> = vectors(&mesh.normals).iter().map(|n| n.as_vec3()).collect();
         // Faces without normals beside faces with them: zero, which means the geometric normal.
@@ -126,7 +133,9 @@ impl Group {
             .map(|c| DVec2::from_slice(c).as_vec2())
             .collect();
         if let Some(bad) = uvs.iter().find(|uv| !uv.is_finite()) {
-            return Err(format!("texture coordinate {bad} is not finite"));
+            return Err(format!(
+                "texture coordinate {bad} is not finite: export it again"
+            ));
         }
         if uvs.is_empty() != self.uvs.is_empty() {
             uvs.resize(positions.len(), Vec2::ZERO);

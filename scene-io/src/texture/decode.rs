@@ -1,7 +1,7 @@
 //! From image files to texels, and from those to linear numbers.
 
 use super::ColourSpace;
-use crate::{Error, srgb};
+use crate::{Error, open, srgb};
 use glam::Vec4;
 use image::{DynamicImage, ImageBuffer, ImageDecoder, ImageFormat, ImageReader, Limits, Rgba};
 use std::cell::Cell;
@@ -38,10 +38,7 @@ impl Budget {
 }
 
 pub(super) fn read(path: &Path, budget: &Budget) -> Result<DynamicImage, Error> {
-    let bytes = std::fs::read(path).map_err(|source| Error::Read {
-        path: path.to_owned(),
-        source,
-    })?;
+    let bytes = open::read(path)?;
     decode(&bytes, budget).map_err(|problem| Error::Build {
         path: path.to_owned(),
         problem,
