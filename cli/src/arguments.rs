@@ -2,9 +2,13 @@
 
 use crate::diff::DiffArguments;
 use crate::merge::MergeArguments;
+use crate::render::INTEGRATORS;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
+use std::fmt::Display;
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
+use std::str::FromStr;
 use std::time::Duration;
 use tyndall_driver::Budget;
 
@@ -23,7 +27,7 @@ Exit codes:
 #[command(
     name = "tyndall",
     version,
-    about = "Renders scenes with participating media",
+    about = "Renders scenes with participating media: scene files (TOML) and glTF (.gltf, .glb)",
     after_help = EXIT_CODES
 )]
 pub(crate) struct Arguments {
@@ -52,43 +56,44 @@ pub(crate) enum Command {
 
 #[derive(Debug, Args)]
 pub(crate) struct RenderArguments {
-    /// The scene file (TOML).
+    /// The scene: a scene file (TOML), or a glTF file (`.gltf`, `.glb`).
     pub(crate) scene: PathBuf,
-    /// The image: radiance and its variance, as EXR.
+    /// The image, as EXR: radiance, its variance, samples, and the albedo, normal and depth that
+    /// denoisers take.
     #[arg(short, long, value_name = "OUT.exr", value_parser = exr)]
     pub(crate) output: PathBuf,
     /// A tone-mapped copy.
-    #[arg(long, value_name = "OUT.png")]
+    #[arg(long, value_name = "OUT.png", value_parser = png)]
     pub(crate) png: Option<PathBuf>,
     /// Instead of the scene's own integrator.
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", value_parser = INTEGRATORS)]
     pub(crate) integrator: Option<String>,
     #[command(flatten)]
     budget: BudgetArguments,
     /// Another seed gives an independent image.
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = |text: &str| whole(text, 0..=u64::MAX))]
     pub(crate) seed: u64,
     /// Threads to render on; all cores by default.
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_parser = |text: &str| whole(text, 1..=u16::MAX))]
     pub(crate) threads: Option<u16>,
     /// Overrides a value of the scene file, as in `--set film.width=64`.
     #[arg(long, value_name = "KEY=VALUE", value_parser = assignment)]
     pub(crate) set: Vec<(String, String)>,
-    /// Go on from OUT.exr.checkpoint, which a render leaves every minute and on Ctrl-C: the image
-    /// is the same to the bit as without the interruption.
+    /// Go on from OUT.exr.checkpoint, which a render leaves now and then and on Ctrl-C: the
+    /// image is the same to the bit as without the interruption.
     #[arg(long)]
     pub(crate) resume: bool,
     /// Show the image in a running tev while it renders.
     #[arg(long, value_name = "HOST:PORT", value_parser = address)]
     pub(crate) tev: Option<String>,
-    /// Time between checkpoints, for tests.
-    #[arg(long, value_name = "TIME", value_parser = duration, default_value = "60s", hide = true)]
+    /// Time between checkpoints.
+    #[arg(long, value_name = "TIME", value_parser = duration, default_value = "60s")]
     pub(crate) checkpoint_interval: Duration,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct InspectArguments {
-    /// The scene file.
+    /// The scene: a scene file (TOML), or a glTF file (`.gltf`, `.glb`).
     pub(crate) scene: PathBuf,
     /// For programs: JSON instead of text.
     #[arg(long)]
@@ -103,7 +108,7 @@ pub(crate) struct InspectArguments {
 #[group(multiple = false)]
 struct BudgetArguments {
     /// Stop after this many passes (samples a pixel).
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", value_parser = |text: &str| whole(text, 1..=u64::MAX))]
     passes: Option<u64>,
     /// Stop after this time, as in 30s, 5m, 1h.
     #[arg(long, value_name = "TIME", value_parser = duration)]
@@ -129,11 +134,19 @@ impl RenderArguments {
 }
 
 pub(crate) fn exr(text: &str) -> Result<PathBuf, String> {
+    let path = named(text, "exr");
+    path.ok_or_else(|| "the image is an EXR: name it OUT.exr (a PNG comes with --png)".into())
+}
+
+fn png(text: &str) -> Result<PathBuf, String> {
+    named(text, "png").ok_or_else(|| "the copy is a PNG: name it OUT.png".into())
+}
+
+/// A path with this extension.
+fn named(text: &str, extension: &str) -> Option<PathBuf> {
     let path = PathBuf::from(text);
-    match path.extension() {
-        Some(extension) if extension.eq_ignore_ascii_case("exr") => Ok(path),
-        _ => Err("the image is an EXR: name it OUT.exr (a PNG comes with --png)".into()),
-    }
+    let found = path.extension()?;
+    found.eq_ignore_ascii_case(extension).then_some(path)
 }
 
 fn assignment(text: &str) -> Result<(String, String), String> {
@@ -148,6 +161,15 @@ fn address(text: &str) -> Result<String, String> {
         Some((host, port)) if !host.is_empty() && port.parse::<u16>().is_ok() => Ok(text.into()),
         _ => Err("expected HOST:PORT, as in localhost:14158 (where tev listens by default)".into()),
     }
+}
+
+fn whole<T>(text: &str, range: RangeInclusive<T>) -> Result<T, String>
+where
+    T: FromStr + PartialOrd + Display,
+{
+    let (least, most) = (range.start(), range.end());
+    let number = text.parse().ok().filter(|n| range.contains(n));
+    number.ok_or_else(|| format!("expected a whole number from {least} to {most}"))
 }
 
 fn positive(text: &str) -> Result<f64, String> {
@@ -166,5 +188,5 @@ fn duration(text: &str) -> Result<Duration, String> {
         unit => return Err(format!("the unit `{unit}` is none of s, m, h")),
     };
     let time = positive(digits).map_err(|_| "expected a time, as in 30s, 5m or 1h".to_string())?;
-    Duration::try_from_secs_f64(time * seconds).map_err(|e| e.to_string())
+    Duration::try_from_secs_f64(time * seconds).map_err(|_| "is too long: lower it".to_string())
 }

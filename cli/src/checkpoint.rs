@@ -85,6 +85,10 @@ impl Checkpoint {
         &self.path
     }
 
+    pub(crate) fn identity(&self) -> &Identity {
+        &self.identity
+    }
+
     /// Of the scene, as text.
     pub(crate) fn fingerprint(&self) -> String {
         blake3::Hash::from_bytes(self.identity.scene).to_string()
@@ -101,7 +105,11 @@ impl Checkpoint {
             opened => opened.and_then(read_body),
         };
         let body = body
-            .map_err(|e| error(format!("cannot be read: {e}")))?
+            .map_err(|e| {
+                error(format!(
+                    "cannot be read: {e}: remove it, or render without --resume"
+                ))
+            })?
             .map_err(|what| error(format!("{what}: remove it, or render without --resume")))?;
         let damaged = |_| error("is damaged: remove it, or render without --resume".into());
         let (identity, rest) = postcard::take_from_bytes::<Identity>(&body).map_err(damaged)?;

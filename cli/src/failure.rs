@@ -3,9 +3,10 @@
 use crate::checkpoint::CheckpointError;
 use crate::diff::Mismatch;
 use crate::merge::Refusal;
-use crate::progress::message;
+use crate::progress::{line, message};
 use miette::{Diagnostic, MietteHandlerOpts};
 use std::io::IsTerminal;
+use std::path::PathBuf;
 use std::process::ExitCode;
 use tyndall_driver::{DifferentResolution, RenderError};
 
@@ -17,8 +18,8 @@ pub(crate) enum Error {
     Scene(#[from] tyndall_scene_io::Error),
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
-    #[error("no integrator is called `{0}`: choose `path`")]
-    UnknownIntegrator(String),
+    #[error("{}: `integrator.kind`: no integrator is called `{name}`: choose `path`", scene.display())]
+    UnknownIntegrator { scene: PathBuf, name: String },
     #[error(transparent)]
     Render(#[from] RenderError),
     #[error(transparent)]
@@ -46,7 +47,7 @@ impl Error {
             }));
             message(&format!("{:?}", miette::Report::new(self)));
         } else {
-            message(&format!("error: {self}"));
+            line(&format!("error: {self}"));
         }
         code
     }
@@ -55,7 +56,7 @@ impl Error {
         use tyndall_scene_io::Error as Scene;
         ExitCode::from(match self {
             Self::Scene(Scene::Write { .. }) | Self::Output(_) => 4,
-            Self::Scene(_) => 3,
+            Self::Scene(_) | Self::UnknownIntegrator { .. } => 3,
             Self::Checkpoint(_) => 5,
             _ => 1,
         })

@@ -2,6 +2,7 @@
 
 use crate::arguments::RenderArguments;
 use crate::failure::Error;
+use crate::progress::message;
 use crate::render::scattering;
 use tyndall_core::Spectrum;
 use tyndall_driver::{Film, PassStreams};
@@ -10,6 +11,9 @@ use tyndall_scene_io::{IntegratorConfig, Metadata, RenderOutput, Scene, write_ex
 
 /// Samples a pixel of albedo, normal and depth, unless there were fewer passes.
 const FEATURE_SAMPLES: u64 = 16;
+
+/// What a render that was stopped says.
+pub(crate) const INTERRUPTED: &str = "interrupted: the image holds the passes finished until then";
 
 /// What a reader of the image must know.
 pub(crate) fn notes<S: Spectrum>(
@@ -35,16 +39,32 @@ pub(crate) fn notes<S: Spectrum>(
     if film.mean().iter().all(|value| *value == 0.0) {
         notes.push("the image is black: no light was found".into());
     }
-    if film.non_finite() > 0 {
-        notes.push(format!(
-            "{} samples were not finite and count as black: please report the scene",
-            film.non_finite()
-        ));
-    }
     if interrupted {
-        notes.push("interrupted: the image holds the passes finished until then".into());
+        notes.push(INTERRUPTED.into());
     }
     notes
+}
+
+/// Says what a reader of the image must know.
+pub(crate) fn tell(metadata: &Metadata) {
+    for note in &metadata.notes {
+        message(&format!("note: {note}"));
+    }
+    if metadata.non_finite > 0 {
+        message(&format!(
+            "note: {} samples were not finite and count as black: please report the scene",
+            metadata.non_finite
+        ));
+    }
+}
+
+/// The pixels of a film's values.
+pub(crate) fn spectra<S: Spectrum>(values: impl IntoIterator<Item = f64>) -> Vec<S> {
+    let values: Vec<_> = values.into_iter().collect();
+    let pixels = values.chunks_exact(S::CHANNELS);
+    pixels
+        .map(|pixel| S::from_channels(|i| pixel[i] as f32))
+        .collect()
 }
 
 /// Writes the EXR, then the PNG.
@@ -54,14 +74,8 @@ pub(crate) fn write<S: Spectrum>(
     film: &Film<S>,
     metadata: &Metadata,
 ) -> Result<(), Error> {
-    let spectra = |values: Vec<f64>| -> Vec<S> {
-        values
-            .chunks_exact(S::CHANNELS)
-            .map(|pixel| S::from_channels(|i| pixel[i] as f32))
-            .collect()
-    };
-    let radiance = spectra(film.mean().to_vec());
-    let variance = spectra(film.variance_of_mean().collect());
+    let radiance = spectra::<S>(film.mean().iter().copied());
+    let variance = spectra::<S>(film.variance_of_mean());
     let [width, height] = film.resolution();
     // Another render of the same seed sees the same features, however often it was interrupted.
     let streams = PassStreams::new(arguments.seed, 0);

@@ -2,6 +2,7 @@
 
 use crate::arguments::InspectArguments;
 use crate::failure::Error;
+use crate::render::tell_notices;
 use std::fmt::{self, Display};
 use std::io::{self, Write};
 use tyndall_core::Rgb;
@@ -12,6 +13,7 @@ use tyndall_scene_io::{
 /// Prints what the scene holds.
 pub(crate) fn run(arguments: &InspectArguments) -> Result<(), Error> {
     let file = SceneFile::load(&arguments.scene, &arguments.set)?;
+    tell_notices(&file);
     let summary = if file.is_grey() {
         Summary::new(&file, &file.build::<f32>()?)
     } else {
@@ -103,22 +105,25 @@ fn medium(f: &mut fmt::Formatter<'_>, medium: &MediumSummary) -> fmt::Result {
         None => write!(f, "medium      {name}: {}", medium.kind)?,
     }
     let place = match (medium.fills_space, medium.shapes) {
-        (true, _) => "fills all space outside of shapes".to_owned(),
+        (true, _) => "fills space outside of shapes".to_owned(),
         (false, 0) => "fills nothing".into(),
         (false, 1) => "fills 1 shape".into(),
         (false, n) => format!("fills {n} shapes"),
     };
     let path = medium.mean_free_path;
     let path = path.map_or("endless".into(), |length| format!("{length:.4}"));
+    let extent = match medium.extent.is_finite() {
+        true => format!("{:.3}", medium.extent),
+        false => "endless space".into(),
+    };
     let glow = if medium.emits { ", glows" } else { "" };
     writeln!(f, ", {place}{glow}")?;
     writeln!(
         f,
-        "            albedo {}, g {:.3}, mean free path {path}, optical depth {:.3} over {:.3}",
+        "            albedo {}, g {:.3}, mean free path {path}, optical depth {:.3} over {extent}",
         channels(&medium.albedo),
         medium.anisotropy,
         medium.optical_depth,
-        medium.extent,
     )
 }
 

@@ -4,6 +4,7 @@ mod check;
 
 use crate::arguments::exr;
 use crate::failure::Error;
+use crate::image::{INTERRUPTED, spectra, tell};
 use crate::progress::message;
 use check::{independent, same_picture};
 use clap::Args;
@@ -11,7 +12,8 @@ use std::path::{Path, PathBuf};
 use tyndall_core::{Rgb, Spectrum};
 use tyndall_driver::Film;
 use tyndall_scene_io::{
-    Features, Metadata, RenderOutput, RenderedImage, check_writable, read_exr, write_exr,
+    Features, Metadata, RenderOutput, RenderedImage, TooManyPasses, View, check_writable, read_exr,
+    write_exr,
 };
 
 pub(crate) use check::Refusal;
@@ -48,6 +50,10 @@ fn merge<S: Spectrum>(
 ) -> Result<(), Error> {
     let mut film = film::<S>(first_path, first)?;
     let mut features = first.features.clone();
+    let mut metadata = Metadata {
+        version: env!("CARGO_PKG_VERSION").into(),
+        ..first.metadata.clone()
+    };
     let mut parts = vec![(first_path, first.metadata.clone())];
     for path in rest {
         let image = read_exr(path)?;
@@ -55,6 +61,10 @@ fn merge<S: Spectrum>(
         for (other, metadata) in &parts {
             independent((other, metadata), (path, &image.metadata))?;
         }
+        join(&mut metadata, &image.metadata).map_err(|source| Refusal::TooMany {
+            path: path.clone(),
+            source,
+        })?;
         film.merge(&self::film(path, &image)?)?;
         if let (Some(ours), Some(theirs)) = (&mut features, &image.features) {
             let share = image.metadata.passes as f64 / film.passes() as f64;
@@ -62,18 +72,14 @@ fn merge<S: Spectrum>(
         }
         parts.push((path, image.metadata));
     }
-    let [width, height] = film.resolution();
-    write_exr(
+    // What was stopped is whole in the merge: its passes are counted.
+    metadata.notes.retain(|note| note != INTERRUPTED);
+    write(
         output,
-        &RenderOutput {
-            width,
-            height,
-            radiance: &spectra::<S>(film.mean().to_vec()),
-            variance: &spectra::<S>(film.variance_of_mean().collect()),
-            features: features.as_ref(),
-            view: first.view.as_ref(),
-            metadata: &described(parts.into_iter().map(|(_, metadata)| metadata).collect()),
-        },
+        &film,
+        features.as_ref(),
+        first.view.as_ref(),
+        &metadata,
     )?;
     message(&format!(
         "{}: {} passes of {} images, relative error {:.2} %",
@@ -82,7 +88,28 @@ fn merge<S: Spectrum>(
         rest.len() + 1,
         100.0 * film.relative_error(),
     ));
+    tell(&metadata);
     Ok(())
+}
+
+fn write<S: Spectrum>(
+    path: &Path,
+    film: &Film<S>,
+    features: Option<&Features>,
+    view: Option<&View>,
+    metadata: &Metadata,
+) -> Result<(), tyndall_scene_io::Error> {
+    let [width, height] = film.resolution();
+    let output = RenderOutput {
+        width,
+        height,
+        radiance: &spectra::<S>(film.mean().iter().copied()),
+        variance: &spectra::<S>(film.variance_of_mean()),
+        features,
+        view,
+        metadata,
+    };
+    write_exr(path, &output)
 }
 
 /// The passes behind an image.
@@ -102,22 +129,13 @@ fn film<S: Spectrum>(path: &Path, image: &RenderedImage) -> Result<Film<S>, Refu
     ))
 }
 
-/// How the merge came to be.
-fn described(parts: Vec<Metadata>) -> Metadata {
-    let mut notes: Vec<String> = Vec::new();
-    for note in parts.iter().flat_map(|part| &part.notes) {
-        if !notes.contains(note) {
-            notes.push(note.clone());
-        }
-    }
-    let mut merged = Metadata {
-        seconds: parts.iter().map(|part| part.seconds).sum(),
-        version: env!("CARGO_PKG_VERSION").into(),
-        notes,
-        ..parts[0].clone()
-    };
-    merged.set_pass_ranges(parts.iter().flat_map(Metadata::pass_ranges).collect());
-    merged
+/// How the merge came to be: says that it holds another part. Notes stay that are true of all.
+fn join(merged: &mut Metadata, part: &Metadata) -> Result<(), TooManyPasses> {
+    merged.add_passes(part)?;
+    merged.seconds += part.seconds;
+    merged.non_finite = merged.non_finite.saturating_add(part.non_finite);
+    merged.notes.retain(|note| part.notes.contains(note));
+    Ok(())
 }
 
 /// Moves features towards those of another part, which has this share of the samples. Depth is a
@@ -136,11 +154,4 @@ fn average(ours: &mut Features, theirs: &Features, share: f32) {
             *ours += (*theirs - *ours) * share;
         }
     }
-}
-
-fn spectra<S: Spectrum>(values: Vec<f64>) -> Vec<S> {
-    let pixels = values.chunks_exact(S::CHANNELS);
-    pixels
-        .map(|pixel| S::from_channels(|i| pixel[i] as f32))
-        .collect()
 }

@@ -83,3 +83,17 @@ impl Drop for Bar {
 pub(crate) fn message(text: &str) {
     eprintln!("{text}");
 }
+
+/// [`message`] in one line, whatever the names are that a file gave its parts: line breaks become
+/// semicolons, and other control characters are escaped.
+pub(crate) fn line(text: &str) {
+    let mut line = String::new();
+    for c in text.chars() {
+        match c {
+            '\n' => line += "; ",
+            c if c.is_control() => line.extend(c.escape_default()),
+            c => line.push(c),
+        }
+    }
+    message(&line);
+}

@@ -6,7 +6,7 @@ use crate::failure::Error;
 use crate::image;
 use crate::keeper::Keeper;
 use crate::preview::Preview;
-use crate::progress::{Bar, message};
+use crate::progress::{Bar, line, message};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use tyndall_core::{AnyIntegrator, Rgb, Spectrum};
@@ -23,9 +23,7 @@ const INTERRUPTED: i32 = 130;
 /// Renders and writes.
 pub(crate) fn run(arguments: &RenderArguments) -> Result<(), Error> {
     let file = SceneFile::load(&arguments.scene, &arguments.set)?;
-    for notice in file.notices() {
-        message(&format!("notice: {notice}"));
-    }
+    tell_notices(&file);
     check_writable(&arguments.output)?;
     if let Some(png) = &arguments.png {
         check_writable(png)?;
@@ -50,6 +48,13 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<(), Error> {
     })
 }
 
+/// Says what of the scene's files was left out.
+pub(crate) fn tell_notices(file: &SceneFile) {
+    for notice in file.notices() {
+        line(&format!("notice: {notice}"));
+    }
+}
+
 /// With the channels that the scene has.
 fn render<S: Spectrum>(
     arguments: &RenderArguments,
@@ -58,7 +63,10 @@ fn render<S: Spectrum>(
 ) -> Result<(), Error> {
     let config = file.integrator();
     let name = arguments.integrator.as_ref().unwrap_or(&config.name);
-    let integrator = integrator(name, config)?;
+    let integrator = integrator(name, config).ok_or_else(|| Error::UnknownIntegrator {
+        scene: arguments.scene.clone(),
+        name: name.clone(),
+    })?;
     let checkpoint = Checkpoint::beside(
         &arguments.output,
         Identity {
@@ -82,19 +90,12 @@ fn render<S: Spectrum>(
     let mut keeper = Keeper::new(&checkpoint, arguments.checkpoint_interval);
     let snapshot = passes(arguments, render, budget, &mut keeper)?;
     let interrupted = cancelled.load(Ordering::Relaxed);
-    let film = snapshot.film();
     let metadata = Metadata {
         scene: arguments.scene.display().to_string(),
-        fingerprint: checkpoint.fingerprint(),
-        integrator: describe(name, config),
-        seed: arguments.seed,
-        passes: film.passes(),
-        seconds: snapshot.elapsed().as_secs_f64(),
-        version: env!("CARGO_PKG_VERSION").into(),
-        notes: image::notes(config, film, interrupted),
-        ..Metadata::default()
+        notes: image::notes(config, snapshot.film(), interrupted),
+        ..metadata(&checkpoint, &snapshot)
     };
-    let written = image::write(arguments, &scene, film, &metadata);
+    let written = image::write(arguments, &scene, snapshot.film(), &metadata);
     if !interrupted && written.is_ok() {
         keeper.finish(message);
     } else if keeper.keep(&snapshot, message) {
@@ -105,14 +106,32 @@ fn render<S: Spectrum>(
     message(&format!(
         "{}: {} passes in {:.1} s, relative error {:.2} %",
         arguments.output.display(),
-        film.passes(),
+        metadata.passes,
         metadata.seconds,
-        100.0 * film.relative_error(),
+        100.0 * snapshot.film().relative_error(),
     ));
-    for note in &metadata.notes {
-        message(&format!("note: {note}"));
-    }
+    image::tell(&metadata);
     Ok(())
+}
+
+/// How the image of a render came to be.
+fn metadata<S: Spectrum>(checkpoint: &Checkpoint, snapshot: &Snapshot<S>) -> Metadata {
+    let Identity {
+        version,
+        integrator,
+        seed,
+        ..
+    } = checkpoint.identity().clone();
+    Metadata {
+        fingerprint: checkpoint.fingerprint(),
+        integrator,
+        seed,
+        passes: snapshot.film().passes(),
+        seconds: snapshot.elapsed().as_secs_f64(),
+        version,
+        non_finite: snapshot.film().non_finite(),
+        ..Metadata::default()
+    }
 }
 
 /// What an earlier render of the same image left, if it is to be continued.
@@ -166,18 +185,21 @@ fn passes<S: Spectrum>(
     Ok(snapshot)
 }
 
+/// Names of integrators.
+pub(crate) const INTEGRATORS: [&str; 1] = ["path"];
+
 /// The integrator of this name, as the scene configures it.
 fn integrator<S: Spectrum>(
     name: &str,
     config: &IntegratorConfig,
-) -> Result<Box<dyn AnyIntegrator<Scene<S>, PassStreams>>, Error> {
+) -> Option<Box<dyn AnyIntegrator<Scene<S>, PassStreams>>> {
     match name {
-        "path" => Ok(Box::new(
+        "path" => Some(Box::new(
             Path::new()
                 .max_depth(config.max_depth)
                 .scattering(scattering(config)),
         )),
-        _ => Err(Error::UnknownIntegrator(name.into())),
+        _ => None,
     }
 }
 

@@ -69,9 +69,13 @@ power = 12
 ";
 
 fn inspect(sigma: [&str; 2], rest: &str) -> (Value, String) {
+    inspect_scene(SCENE, sigma, rest)
+}
+
+fn inspect_scene(scene: &str, sigma: [&str; 2], rest: &str) -> (Value, String) {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("scene.toml");
-    let scene = SCENE
+    let scene = scene
         .replace("SIGMA_A", sigma[0])
         .replace("SIGMA_S", sigma[1]);
     fs::write(&path, scene + rest).expect("a file");
@@ -173,6 +177,51 @@ fn the_transport_that_a_scene_needs_is_told() {
 }
 
 #[test]
+fn a_medium_without_a_shape_around_it_has_no_end() {
+    let thin = ["0.0003", "0.0005"];
+    let in_fog = |scene: &str| scene.replace("fov = 40", "fov = 40\nmedium = 'fog'");
+    let outside = "
+[materials.lid]
+kind = 'null'
+outside = 'fog'
+[[shapes]]
+kind = 'sphere'
+center = [0, 0, 0]
+radius = 0.2
+material = 'lid'
+";
+    for (scene, rest) in [(in_fog(SCENE), ""), (SCENE.to_owned(), outside)] {
+        let (json, text) = inspect_scene(&scene, thin, rest);
+        assert_eq!(json["media"][0]["fills_space"], true);
+        assert_eq!(json["media"][0]["extent"], Value::Null, "infinite");
+        // All of the light that never leaves is met: albedo 5/8.
+        close(&json["transport"]["scattered_share"], 0.625);
+        assert_eq!(json["transport"]["needed"], "multiple");
+        assert!(text.contains("over endless space"), "{text}");
+    }
+}
+
+#[test]
+fn what_is_left_out_of_a_file_is_told() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).expect("a file");
+    let scene = SCENE.replace("SIGMA_A", "0").replace("SIGMA_S", "0");
+    write("scene.toml", &(scene + "[[include]]\nfile = 'a.gltf'\n"));
+    write(
+        "a.gltf",
+        r#"{ "asset": { "version": "2.0" }, "extensionsUsed": ["KHR_materials_clearcoat"],
+             "materials": [{ "extensions": { "KHR_materials_clearcoat": {} } }] }"#,
+    );
+    let path = folder.path().join("scene.toml").display().to_string();
+    let output = tyndall(&["inspect", &path, "--json"]);
+    let json: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let said = String::from_utf8_lossy(&output.stderr);
+    let notice = json["notices"][0].as_str().expect("a notice");
+    assert!(notice.contains("KHR_materials_clearcoat"), "{notice}");
+    assert!(said.contains(notice), "{said}");
+}
+
+#[test]
 fn colours_and_grids_are_told() {
     let scene = format!("{}/../scenes/spot_smoke.toml", env!("CARGO_MANIFEST_DIR"));
     let json = tyndall(&["inspect", &scene, "--json"]).stdout;
@@ -205,5 +254,5 @@ fn help_tells_the_exit_codes() {
         assert!(help.contains(code), "{code} in\n{help}");
     }
     let help = String::from_utf8(tyndall(&["help", "render"]).stdout).expect("text");
-    assert!(!help.contains("checkpoint-interval"), "it is for tests");
+    assert!(help.contains(".gltf") && help.contains("albedo"), "{help}");
 }

@@ -199,6 +199,24 @@ fn a_merge_can_be_merged_and_knows_its_parts() {
 }
 
 #[test]
+fn what_is_said_of_parts_is_said_of_their_merge_if_it_is_true_of_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let stopped = "interrupted: the image holds the passes finished until then";
+    for (name, seed, non_finite, note) in [
+        ("a.exr", 1, 3, "the image is black: no light was found"),
+        ("b.exr", 2, 4, "lit"),
+    ] {
+        let mut picture = Picture::new([1, 1]).passes(seed, 0, 4);
+        picture.metadata.non_finite = non_finite;
+        picture.metadata.notes = [note, "biased", stopped].map(str::to_owned).to_vec();
+        picture.write(&folder, name, &[1.0]);
+    }
+    let merged = merge(&folder, &["a.exr", "b.exr"], "ab.exr").unwrap();
+    assert_eq!(merged.metadata.non_finite, 7);
+    assert_eq!(merged.metadata.notes, ["biased"]);
+}
+
+#[test]
 fn parts_of_different_pictures_are_refused_and_nothing_is_written() {
     let folder = tempfile::tempdir().unwrap();
     let picture = Picture::new([2, 1]).passes(1, 0, 4);
@@ -218,6 +236,7 @@ fn parts_of_different_pictures_are_refused_and_nothing_is_written() {
         (metadata(|m| m.integrator = "vpl".into()), "integrator"),
         (metadata(|m| m.passes = 0), "tyndall.passes"),
         (metadata(|m| m.seed = 1), "passes 0 to 3 of seed 1"),
+        (metadata(|m| m.passes = u64::MAX), "more than 2⁶⁴"),
         (with(&|p| p.size = [1, 2]), "resolution"),
     ] {
         assert!(why.contains(needle), "{why}");

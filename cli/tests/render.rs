@@ -79,6 +79,33 @@ fn a_scene_becomes_two_images() {
 }
 
 #[test]
+fn an_image_has_all_layers_and_knows_its_place_in_the_picture() {
+    let folder = folder();
+    let (file, exr) = path(&folder, "out.exr");
+    let scene = scene("glass_ball");
+    let small = ["film.width=16", "film.height=12", "film.crop=[3, 2, 8, 9]"];
+    let set = small.map(|value| ["--set", value]).concat();
+    let head = ["render", &scene, "-o", &exr, "--passes", "2"];
+    let output = tyndall(&[&head[..], &set].concat());
+    assert!(output.status.success(), "{}", said(&output));
+    let meta = exr::meta::MetaData::read_from_file(&file, true).expect("an EXR");
+    let header = &meta.headers[0];
+    let names = header.channels.list.iter().map(|c| c.name.to_string());
+    let colours = ["B", "G", "R"];
+    let of = |layer: &str| colours.map(|c| format!("{layer}{c}")).to_vec();
+    let mut expected = [of(""), of("variance."), of("albedo.")].concat();
+    let more = ["samples.Y", "normal.X", "normal.Y", "normal.Z", "depth.Z"];
+    expected.extend(more.map(str::to_owned));
+    expected.sort();
+    assert_eq!(names.collect::<Vec<_>>(), expected);
+    let window = header.own_attributes.layer_position;
+    assert_eq!((window.0, window.1), (3, 2));
+    assert_eq!((header.layer_size.0, header.layer_size.1), (8, 9));
+    let picture = header.shared_attributes.display_window.size;
+    assert_eq!((picture.0, picture.1), (16, 12));
+}
+
+#[test]
 fn the_same_seed_gives_the_same_picture_and_another_seed_another() {
     let folder = folder();
     let render = |name: &str, seed: &str, threads: &str| {
@@ -115,9 +142,16 @@ fn what_cannot_be_is_one_message_and_an_exit_code_of_its_kind() {
             &["film.widht", "width"],
         ),
         (
-            vec!["render", &scene, "-o", &out, "--integrator", "photons"],
-            1,
-            &["photons", "path"],
+            vec![
+                "render",
+                &scene,
+                "-o",
+                &out,
+                "--set",
+                "integrator.kind=photons",
+            ],
+            3,
+            &["laser.toml", "`integrator.kind`", "photons", "path"],
         ),
         (
             vec!["render", &scene, "-o", &nowhere],
@@ -148,6 +182,7 @@ fn a_wrong_command_line_is_exit_2() {
             "render", &scene, "-o", "out.exr", "--error", "1", "--passes", "3",
         ],
         vec!["render", &scene, "-o", "out.exr", "--set", "width"],
+        vec!["render", &scene, "-o", "out.exr", "--integrator", "photons"],
     ] {
         assert_eq!(tyndall(&arguments).status.code(), Some(2), "{arguments:?}");
     }

@@ -26,6 +26,8 @@ impl Domain {
     pub const LIGHT: Self = Self(1);
     /// What builds a structure between the two.
     pub const STRUCTURE: Self = Self(2);
+    /// What a host measures beside the picture, as the features of a denoiser: one stream a pixel.
+    pub const FEATURES: Self = Self(3);
 }
 
 /// The random streams of one pass.

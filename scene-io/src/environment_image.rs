@@ -1,6 +1,7 @@
 //! Images of environments: OpenEXR and Radiance HDR.
 
 use crate::Error;
+use crate::open::open;
 use exr::prelude::{MetaData, ReadChannels, ReadLayers, ReadSpecificChannel, read};
 use image::ImageDecoder;
 use image::codecs::hdr::HdrDecoder;
@@ -34,8 +35,8 @@ impl EnvironmentImage {
             path: path.to_owned(),
             source,
         };
-        let mut file = BufReader::new(File::open(path).map_err(unreadable)?);
-        let length = file.get_ref().metadata().map_err(unreadable)?.len();
+        let (file, length) = open(path)?;
+        let mut file = BufReader::new(file);
         let mut magic = Vec::new();
         (file.by_ref().take(4).read_to_end(&mut magic)).map_err(unreadable)?;
         file.rewind().map_err(unreadable)?;
@@ -86,7 +87,7 @@ impl EnvironmentImage {
 fn check_size(width: u64, height: u64, length: u64) -> Result<(), String> {
     let pixels = width.saturating_mul(height);
     if pixels == 0 {
-        return Err("has no pixels".into());
+        return Err("has no pixels: export it again".into());
     }
     if pixels > MAX_PIXELS {
         return Err(format!(
@@ -95,14 +96,14 @@ fn check_size(width: u64, height: u64, length: u64) -> Result<(), String> {
     }
     if pixels > PIXELS_PER_BYTE.saturating_mul(length) {
         return Err(format!(
-            "promises {width} × {height} pixels in {length} bytes: the file is cut off or damaged"
+            "promises {width} × {height} pixels in {length} bytes: the file is cut off or damaged, export it again"
         ));
     }
     Ok(())
 }
 
 fn read_exr(mut file: BufReader<File>, length: u64) -> Result<EnvironmentImage, String> {
-    let damaged = |e: exr::error::Error| format!("cannot be read as OpenEXR: {e}");
+    let damaged = |e: exr::error::Error| format!("cannot be read as OpenEXR: {e}: export it again");
     let meta = MetaData::read_from_buffered(&mut file, false).map_err(damaged)?;
     file.rewind().map_err(|e| e.to_string())?;
     for header in &meta.headers {
@@ -163,7 +164,8 @@ fn blank(width: usize, height: usize) -> EnvironmentImage {
 }
 
 fn read_hdr(file: BufReader<File>, length: u64) -> Result<EnvironmentImage, String> {
-    let damaged = |e: image::ImageError| format!("cannot be read as Radiance HDR: {e}");
+    let damaged =
+        |e: image::ImageError| format!("cannot be read as Radiance HDR: {e}: export it again");
     let decoder = HdrDecoder::new_nonstrict(file).map_err(damaged)?;
     let (width, height) = decoder.dimensions();
     check_size(width.into(), height.into(), length)?;

@@ -2,6 +2,7 @@
 
 use miette::{Diagnostic, LabeledSpan, SourceCode};
 use std::fmt;
+use std::io::{self, ErrorKind};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -30,12 +31,12 @@ pub enum Error {
         problem: String,
     },
     /// A file could not be read.
-    #[error("{}: cannot be read: {source}", path.display())]
+    #[error("{}: cannot be read: {source}{}", path.display(), mend(source))]
     Read {
         /// The file.
         path: PathBuf,
         /// The system's reason.
-        source: std::io::Error,
+        source: io::Error,
     },
     /// A glTF file is broken, or asks for what cannot be.
     #[error("{}: `{field}`: {problem}", path.display())]
@@ -63,6 +64,17 @@ pub enum Error {
         /// What is wrong and how to mend it.
         problem: String,
     },
+}
+
+/// What to do about a file that cannot be read, where that is known.
+fn mend(reason: &io::Error) -> &'static str {
+    match reason.kind() {
+        ErrorKind::NotFound | ErrorKind::NotADirectory => "; check the name",
+        ErrorKind::IsADirectory => "; name a file",
+        ErrorKind::InvalidData => "; save it as UTF-8",
+        ErrorKind::PermissionDenied => "; allow reading it",
+        _ => "",
+    }
 }
 
 impl Error {

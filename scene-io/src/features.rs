@@ -8,9 +8,6 @@ use tyndall_core::{
     Streams, SurfaceKind,
 };
 
-/// Random streams of the features, one a pixel.
-const FEATURES: Domain = Domain(3);
-
 /// Means over the samples of each pixel, row by row.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -24,28 +21,19 @@ pub struct Features {
 }
 
 /// What one ray meets first.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct Feature {
+#[derive(Clone, Copy, Debug)]
+struct Feature {
     /// What the surface or the medium sends back of the light that it meets.
-    pub albedo: Rgb,
+    albedo: Rgb,
     /// Shading normal on the ray's side; zero in a medium.
-    pub normal: Vec3,
+    normal: Vec3,
     /// Distance along the ray.
-    pub depth: f32,
+    depth: f32,
 }
 
 impl<S: Spectrum> Scene<S> {
     /// What a ray of the sensor meets first; `None` if it leaves the scene.
-    ///
-    /// A surface that light passes straight is not met. The albedo of a surface is its reflectance,
-    /// that of rough metal for light of normal incidence, and 1 where directions are discrete
-    /// (mirrors, smooth glass) or light passes (rough glass), as denoisers expect.
-    ///
-    /// In a medium, light is met at the distance of a collision, which is sampled: the mean of many
-    /// samples blends the medium and what is behind it by what is seen of both. There the albedo is
-    /// that of a single scattering, σs/σt, and the normal zero.
-    pub fn feature(&self, start: &SensorRay<S>, sampler: &mut impl Sampler) -> Option<Feature> {
+    fn feature(&self, start: &SensorRay<S>, sampler: &mut impl Sampler) -> Option<Feature> {
         let (mut ray, mut medium) = (start.ray, start.medium);
         loop {
             let hit = self.intersect(&ray, medium);
@@ -78,9 +66,17 @@ impl<S: Spectrum> Scene<S> {
         }
     }
 
-    /// The features of all pixels, the mean of `samples` each, on the current rayon pool: the same
-    /// bits on any number of threads. The random numbers are those of `streams` that no integrator
-    /// takes.
+    /// What the sensor's rays meet first: means of `samples` rays a pixel, on the current rayon pool,
+    /// the same bits on any number of threads. The random numbers are those of `streams` that no
+    /// integrator takes.
+    ///
+    /// A surface that light passes straight is not met. The albedo of a surface is its reflectance,
+    /// that of rough metal for light of normal incidence, and 1 where directions are discrete
+    /// (mirrors, smooth glass) or light passes (rough glass), as denoisers expect.
+    ///
+    /// In a medium, light is met at the distance of a collision, which is sampled: the mean of many
+    /// samples blends the medium and what is behind it by what is seen of both. There the albedo is
+    /// that of a single scattering, σs/σt, and the normal zero.
     ///
     /// # Panics
     /// If `samples` is 0.
@@ -89,7 +85,7 @@ impl<S: Spectrum> Scene<S> {
         let [width, height] = self.resolution().map(u64::from);
         let means = (0..width * height).into_par_iter().map(|i| {
             let px = [(i % width) as u32, (i / width) as u32];
-            let mut sampler = streams.sampler(FEATURES, i);
+            let mut sampler = streams.sampler(Domain::FEATURES, i);
             let found = (0..samples).filter_map(|_| {
                 let start = self.sensor_ray(px, sampler.next());
                 self.feature(&start, &mut sampler)

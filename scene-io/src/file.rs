@@ -7,6 +7,7 @@ mod light;
 mod material;
 mod medium;
 mod mtl;
+mod obj_shape;
 mod overrides;
 mod reader;
 mod shape;
@@ -22,6 +23,7 @@ use crate::files::Files;
 use crate::light::Light;
 use crate::media::MediumDescription;
 use crate::spectrum::is_grey;
+use crate::texture::Budget;
 use crate::{Error, Place, Scene};
 use document::Node;
 use glam::DVec3;
@@ -105,23 +107,24 @@ impl SceneFile {
         table.expect(&SECTIONS);
         table.finish()?;
         let files = Files::beside(path);
-        let included = Included::read(&listed(&table, "include")?, &files, direct)?;
+        let budget = Budget::default();
+        let included = Included::read(&listed(&table, "include")?, &files, direct, &budget)?;
         drop(table);
         included.look_through(&mut root, path)?;
-        Self::read(path, &root, included, &files)
+        Self::read(path, &root, included, (&files, &budget))
     }
 
     fn read(
         path: &Path,
         root: &Node,
         mut included: Included,
-        files: &Files,
+        (files, budget): (&Files, &Budget),
     ) -> Result<Self, Error> {
         let table = Field::root(root).table()?;
         let media = media_fields(&table)?;
         let names: Vec<_> = media.iter().map(|(name, _)| *name).collect();
         let mut media_names: Vec<_> = names.iter().map(|&name| name.into()).collect();
-        let mut shapes = materials_and_shapes(&table, files, &names)?;
+        let mut shapes = materials_and_shapes(&table, (files, budget), &names)?;
         let fields = listed(&table, "include")?;
         let included_media = included.add_to(&fields, &mut shapes, &mut media_names)?;
         let (materials, placed) = (shapes.materials, shapes.placed);
@@ -263,11 +266,11 @@ fn media_fields<'a>(table: &Table<'a>) -> Result<Vec<(&'a str, Field<'a>)>, Erro
 
 fn materials_and_shapes<'a>(
     table: &Table<'_>,
-    files: &'a Files,
+    (files, budget): (&'a Files, &'a Budget),
     media: &[&str],
 ) -> Result<shape::Reader<'a>, Error> {
     let mut reader = shape::Reader {
-        textures: texture::Textures::new(files),
+        textures: texture::Textures::new(files, budget),
         names: Vec::new(),
         materials: Vec::new(),
         placed: Vec::new(),

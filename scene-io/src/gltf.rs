@@ -25,6 +25,7 @@ use crate::Error;
 use crate::file::{Material, Solid};
 use crate::files::Files;
 use crate::media::MediumDescription;
+use crate::texture::Budget;
 use document::Document;
 use glam::DAffine3;
 use std::collections::{BTreeMap, BTreeSet};
@@ -104,12 +105,16 @@ impl Loaded {
     }
 }
 
-/// Reads a `.gltf` or `.glb` file, its buffers and its images.
+/// Reads a `.gltf` or `.glb` file, its buffers and its images; the latter on a budget.
 ///
 /// # Errors
 /// [`Error::Read`], or [`Error::Gltf`] with the first thing that is wrong: where in the JSON, and
 /// the mend.
-pub(crate) fn load(path: &Path, options: &Options, files: &Files) -> Result<Loaded, Error> {
+pub(crate) fn load(
+    path: &Path,
+    options: &Options,
+    (files, budget): (&Files, &Budget),
+) -> Result<Loaded, Error> {
     let mut loaded = Loaded::default();
     let document = Document::open(path, files, options.draft_extensions, &mut loaded.notices)?;
     let nodes = node::walk(&document, options.scene.as_ref(), options.transform)?;
@@ -117,7 +122,7 @@ pub(crate) fn load(path: &Path, options: &Options, files: &Files) -> Result<Load
     let used: BTreeSet<Option<usize>> = primitives.iter().map(|p| p.material).collect();
     let conventions = (options.scale(), options.draft_extensions);
     let mut traits = Vec::new();
-    let mut reader = material::Reader::new(&document, conventions, &mut loaded.notices);
+    let mut reader = material::Reader::new(&document, conventions, budget, &mut loaded.notices);
     for index in &used {
         let read = reader.read(*index)?;
         let mut material = read.material;

@@ -5,13 +5,13 @@ mod passes;
 mod png_file;
 
 pub use exr_file::write_exr;
-pub use passes::PassRange;
+pub use passes::{PassRange, TooManyPasses};
 pub use png_file::write_png;
 
 use crate::{Error, Features};
 use glam::Vec3;
 use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::{BufWriter, ErrorKind, Write};
 use std::path::Path;
 use tempfile::NamedTempFile;
 
@@ -71,7 +71,9 @@ pub struct Metadata {
     pub seconds: f64,
     /// Version of the program.
     pub version: String,
-    /// What else a reader must know: a bias, samples that were not finite.
+    /// Samples that were NaN or infinite and count as black: a defect.
+    pub non_finite: u64,
+    /// What else a reader must know: a bias.
     pub notes: Vec<String>,
 }
 
@@ -121,6 +123,8 @@ fn write_whole(
     write(&mut buffer).map_err(|e| Error::write(path, e))?;
     buffer.flush().map_err(|e| Error::write(path, e))?;
     drop(buffer);
+    // Else a loss of power after the renaming could leave an empty file in place of the old image.
+    (file.as_file().sync_all()).map_err(|e| Error::write(path, e))?;
     (file.persist(path)).map_err(|e| Error::write(path, e.error))?;
     Ok(())
 }
@@ -139,5 +143,9 @@ fn temporary(path: &Path) -> Result<NamedTempFile, Error> {
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    (builder.tempfile_in(folder)).map_err(|e| Error::write(path, e))
+    (builder.tempfile_in(folder)).map_err(|e| match e.kind() {
+        ErrorKind::NotFound => Error::write(path, "its folder is not there: make the folder"),
+        ErrorKind::NotADirectory => Error::write(path, "its folder is a file: name another place"),
+        _ => Error::write(path, format!("{e}: name another place")),
+    })
 }

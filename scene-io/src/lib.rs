@@ -18,9 +18,11 @@ mod mapping;
 mod material;
 mod media;
 mod obj;
+mod open;
 mod rendered;
 mod scene;
 mod spectrum;
+mod srgb;
 mod summary;
 mod texture;
 mod vol;
@@ -30,11 +32,12 @@ pub use features::Features;
 pub use file::{IntegratorConfig, Scattering, SceneFile};
 pub use host::{Hit, Presence};
 pub use image_out::{
-    Metadata, PassRange, RenderOutput, View, check_writable, write_exr, write_png,
+    Metadata, PassRange, RenderOutput, TooManyPasses, View, check_writable, write_exr, write_png,
 };
 pub use material::{fresnel_conductor, fresnel_dielectric};
 pub use rendered::{RenderedImage, read_exr};
 pub use scene::Scene;
+pub use srgb::srgb_encode;
 pub use summary::{
     CameraSummary, Caustics, GeometrySummary, LightSummary, MediumSummary, Needed, Summary,
     TransportSummary,

@@ -83,39 +83,6 @@ impl World {
     }
 }
 
-/// How often each light is chosen: in proportion to its power among the lights of its kind, those at
-/// infinity and those in the scene, which share evenly. The power of light from infinity grows with
-/// the size of the world: by power alone, a large ground would hide every lamp.
-fn weights<S: Spectrum>(lights: &[Light<S>], world: World) -> Vec<f64> {
-    let powers: Vec<f64> = lights
-        .iter()
-        .map(|l| l.power(world).mean().into())
-        .collect();
-    let infinite = |light: &Light<S>| {
-        matches!(
-            light.source,
-            Source::Environment(_) | Source::Directional(_)
-        )
-    };
-    let total = |kind: bool| -> f64 {
-        let of_kind = lights
-            .iter()
-            .zip(&powers)
-            .filter(|(l, _)| infinite(l) == kind);
-        of_kind.map(|(_, power)| power).sum()
-    };
-    let totals = [total(false), total(true)];
-    let shares = lights.iter().zip(&powers);
-    shares
-        .map(
-            |(light, power)| match totals[usize::from(infinite(light))] {
-                0.0 => 0.0,
-                total => power / total,
-            },
-        )
-        .collect()
-}
-
 /// All lights of a scene.
 #[derive(Clone, Debug)]
 pub(crate) struct Lights<S> {
@@ -145,12 +112,9 @@ impl<S: Spectrum> Lights<S> {
         }
         let is_environment = |l: &Light<S>| matches!(l.source, Source::Environment(_));
         let environment = lights.iter().position(is_environment);
-        let weights = weights(&lights, world);
-        let direct = (lights.iter().zip(&weights))
-            .map(|(light, weight)| if light.is_even() { 0.0 } else { *weight });
         Self {
-            emitting: Choice::new(weights.iter().copied()),
-            direct: Choice::new(direct),
+            emitting: Choice::new(choice::weights(&lights, world, |_| true)),
+            direct: Choice::new(choice::weights(&lights, world, |light| !light.is_even())),
             environment,
             lights,
             first_of_shape,

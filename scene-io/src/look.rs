@@ -41,16 +41,18 @@ impl<S: Spectrum> Look<S> {
         }
     }
 
-    /// The mean of [`Look::radiance`] over a primitive.
+    /// The mean of [`Look::radiance`] over a primitive, about: it is 0 only where there is no light,
+    /// however small the texels that glow.
     pub(crate) fn mean_radiance(&self, surfaces: &Surfaces, shape: u32, primitive: u32) -> S {
-        let Some(maps) = &self.maps else {
+        let varied = |maps: &&Arc<Maps>| maps.emission.is_some() || maps.cut();
+        let Some(maps) = self.maps.as_ref().filter(varied) else {
             return self.emission;
         };
         let at = |u| surfaces.sample(shape, primitive, u);
         let textures = maps
             .emission
             .iter()
-            .chain(maps.alpha_map.iter().map(|a| &a.map));
+            .chain(maps.alpha_map.iter().filter(|_| maps.cut()).map(|a| &a.map));
         let texels =
             textures.map(|map| mapping::covered_texels(map, |u| mapping::uv(surfaces, &at(u))));
         // Twice as many points as texels on an edge, as far as the time for a shape allows.
@@ -61,7 +63,13 @@ impl<S: Spectrum> Look<S> {
         let grid = (0..n * n).map(|i| at([center(i / n), center(i % n)]));
         let mut sum = S::default();
         grid.for_each(|hit| sum += self.radiance(surfaces, &hit));
-        sum / (n * n) as f32
+        let mean = sum / (n * n) as f32;
+        let least: S = self.emission * (LEAST * maps.mean_alpha()) * convert::<S>(maps.mean_glow());
+        if mean.mean() < least.mean() {
+            least
+        } else {
+            mean
+        }
     }
 
     /// Whether alpha says that the surface is not there.
@@ -89,6 +97,10 @@ impl<S: Spectrum> Look<S> {
 
 /// Points at which the emission of all primitives of a shape is measured, at most.
 const MAX_POINTS: f64 = 4e6;
+
+/// Between those points there may be light: a primitive counts for no less than this share of what
+/// its whole texture would make it.
+const LEAST: f32 = 0.01;
 
 fn vary<S: Spectrum>(bsdf: Bsdf<S>, maps: &Maps, uv: Vec2) -> Bsdf<S> {
     let tint = || (maps.base_color.as_ref()).map_or(S::splat(1.0), |map| colour(map.lookup(uv)));

@@ -16,7 +16,7 @@ mod metallic_roughness;
 
 pub(crate) use conductor::RoughConductor;
 pub use fresnel::{fresnel_conductor, fresnel_dielectric};
-pub(crate) use maps::{AlphaMode, Map, Maps, NormalMap, ScalarMap};
+pub(crate) use maps::{AlphaMode, FLIP, Map, Maps, NormalMap, ScalarMap};
 pub(crate) use metallic_roughness::MetallicRoughness;
 
 use glam::Vec3;

@@ -2,13 +2,13 @@
 
 mod check;
 
-use crate::Error;
 use crate::files::Files;
+use crate::{Error, open};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::Path;
-use tobj::LoadError;
+use tobj::{LoadError, MTLLoadResult};
 
 /// The faces of one material in an OBJ file.
 #[derive(Clone, Debug, Default)]
@@ -25,9 +25,16 @@ pub(crate) struct Group {
 pub(crate) struct Obj {
     pub(crate) groups: BTreeMap<String, Group>,
     /// The materials that the MTL files define.
-    pub(crate) materials: BTreeMap<String, tobj::Material>,
+    pub(crate) materials: BTreeMap<String, Mtl>,
     /// Why there are no materials, if a file of them could not be read.
     pub(crate) mtl_problem: Option<String>,
+}
+
+/// A material of an MTL file.
+pub(crate) struct Mtl {
+    pub(crate) material: tobj::Material,
+    /// What its textures are named from: the folder of the MTL file.
+    pub(crate) files: Files,
 }
 
 /// Reads an OBJ file and the MTL files that it names. Polygons become triangles; points and lines
@@ -37,10 +44,7 @@ pub(crate) fn read(path: &Path, files: &Files) -> Result<Obj, Error> {
         path: path.to_owned(),
         problem,
     };
-    let bytes = std::fs::read(path).map_err(|source| Error::Read {
-        path: path.to_owned(),
-        source,
-    })?;
+    let bytes = open::read(path)?;
     let options = tobj::LoadOptions {
         triangulate: true,
         single_index: true,
@@ -49,17 +53,19 @@ pub(crate) fn read(path: &Path, files: &Files) -> Result<Obj, Error> {
     };
     let files = files.followed_from(path);
     let complaint = RefCell::new(None);
+    // One for each material, in their order.
+    let places = RefCell::new(Vec::new());
     let load_mtl = |mtl: &Path| {
-        let bytes = std::fs::read(files.named(mtl)).map_err(|_| LoadError::OpenFileFailed)?;
-        if let Err(why) = check::mtl(&bytes) {
-            complaint.replace(Some(why));
-            return Err(LoadError::MaterialParseError);
-        }
-        tobj::load_mtl_buf(&mut bytes.as_slice())
+        let path = files.named(mtl);
+        let loaded = read_mtl(&path, &complaint)?;
+        let count = loaded.0.len();
+        (places.borrow_mut()).extend(std::iter::repeat_n(files.followed_from(&path), count));
+        Ok(loaded)
     };
     check::obj(&bytes).map_err(problem)?;
     let loaded = tobj::load_obj_buf(&mut bytes.as_slice(), &options, load_mtl);
-    let (models, materials) = loaded.map_err(|e| problem(format!("is no OBJ file: {e}")))?;
+    let (models, materials) =
+        loaded.map_err(|e| problem(format!("is no OBJ file: {e}: export it again")))?;
     let (materials, mtl_problem) = match materials {
         Ok(materials) => (materials, None),
         Err(e) => {
@@ -81,12 +87,28 @@ pub(crate) fn read(path: &Path, files: &Files) -> Result<Obj, Error> {
             "has no faces: export the mesh, not only its curves".into(),
         ));
     }
-    let materials = materials.into_iter().map(|m| (m.name.clone(), m));
+    let materials = materials.into_iter().zip(places.into_inner());
+    let named =
+        |(material, files): (tobj::Material, _)| (material.name.clone(), Mtl { material, files });
     Ok(Obj {
         groups,
-        materials: materials.collect(),
+        materials: materials.map(named).collect(),
         mtl_problem,
     })
+}
+
+/// Reads an MTL file; what is wrong with it becomes the `complaint`.
+fn read_mtl(path: &Path, complaint: &RefCell<Option<String>>) -> MTLLoadResult {
+    let complain = |why: String, error| {
+        complaint.replace(Some(why));
+        error
+    };
+    let bytes = open::read(path);
+    let bytes = bytes.map_err(|e| complain(e.to_string(), LoadError::OpenFileFailed))?;
+    let wrong = |why: &str| format!("{}: {why}", path.display());
+    check::mtl(&bytes).map_err(|why| complain(wrong(&why), LoadError::MaterialParseError))?;
+    let read = tobj::load_mtl_buf(&mut bytes.as_slice());
+    read.map_err(|e| complain(wrong(&e.to_string()), e))
 }
 
 impl Group {
@@ -97,7 +119,7 @@ impl Group {
         };
         let positions = vectors(&mesh.positions);
         if let Some(bad) = positions.iter().find(|p| !p.is_finite()) {
-            return Err(format!("vertex {bad} is not finite"));
+            return Err(format!("vertex {bad} is not finite: export it again"));
         }
         let mut normals: Vec<_> = vectors(&mesh.normals).iter().map(|n| n.as_vec3()).collect();
         // Faces without normals beside faces with them: zero, which means the geometric normal.
@@ -111,7 +133,9 @@ impl Group {
             .map(|c| DVec2::from_slice(c).as_vec2())
             .collect();
         if let Some(bad) = uvs.iter().find(|uv| !uv.is_finite()) {
-            return Err(format!("texture coordinate {bad} is not finite"));
+            return Err(format!(
+                "texture coordinate {bad} is not finite: export it again"
+            ));
         }
         if uvs.is_empty() != self.uvs.is_empty() {
             uvs.resize(positions.len(), Vec2::ZERO);

@@ -4,12 +4,12 @@ mod attributes;
 mod channels;
 mod pixels;
 
+use crate::open::open;
 use crate::{Error, Features, Metadata, View};
 use channels::Selection;
 use exr::meta::header::Header;
 use glam::Vec3;
 use pixels::Planes;
-use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 use tyndall_core::Rgb;
@@ -54,18 +54,16 @@ pub struct RenderedImage {
 /// [`Error::Read`] if the file cannot be read; [`Error::Build`] if it is no EXR file, is damaged,
 /// promises more pixels than its bytes can hold, or has no such channels.
 pub fn read_exr(path: &Path) -> Result<RenderedImage, Error> {
-    let unreadable = |source| Error::Read {
-        path: path.to_owned(),
-        source,
-    };
     let wrong = |problem: String| Error::Build {
         path: path.to_owned(),
         problem,
     };
-    let file = File::open(path).map_err(unreadable)?;
-    let length = file.metadata().map_err(unreadable)?.len();
-    let reader = exr::block::read(BufReader::new(file), false)
-        .map_err(|e| wrong(format!("is no EXR file that can be read: {e}")))?;
+    let (file, length) = open(path)?;
+    let reader = exr::block::read(BufReader::new(file), false).map_err(|e| {
+        wrong(format!(
+            "is no EXR file that can be read: {e}: export it again"
+        ))
+    })?;
     let selection = Selection::of(reader.headers()).map_err(wrong)?;
     let header = reader.headers()[selection.part].clone();
     let metadata = attributes::read(&header).map_err(wrong)?;

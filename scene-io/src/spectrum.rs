@@ -6,6 +6,9 @@ use tyndall_core::{Rgb, Spectrum};
 pub(crate) fn convert<S: Spectrum>(colour: Rgb) -> S {
     if S::CHANNELS == Rgb::CHANNELS {
         S::from_channels(|i| colour.channel(i))
+    } else if is_grey(colour) {
+        // Without a sum, which may overflow.
+        S::splat(colour.channel(0))
     } else {
         S::splat(colour.mean())
     }

@@ -37,6 +37,8 @@ pub struct Summary {
     pub texture_bytes: u64,
     /// What an integrator has to do.
     pub transport: TransportSummary,
+    /// What of the files was left out, see [`SceneFile::notices`].
+    pub notices: Vec<String>,
 }
 
 /// The camera of a scene.
@@ -74,6 +76,7 @@ impl Summary {
             texture_bytes: geometry::texture_bytes(file),
             media,
             transport,
+            notices: file.notices().to_vec(),
         }
     }
 }

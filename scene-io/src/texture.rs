@@ -3,10 +3,11 @@
 mod decode;
 
 use crate::Error;
-use glam::{Vec2, Vec4};
-use image::DynamicImage;
+pub(crate) use decode::Budget;
+use glam::{DVec4, Vec2, Vec4};
+use image::{DynamicImage, ImageBuffer, Rgba, RgbaImage};
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// How the numbers of an image are meant. Alpha is always linear.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -42,8 +43,6 @@ pub(crate) enum Filter {
 /// A decoded image.
 #[derive(Clone, Debug)]
 pub(crate) struct Texture {
-    width: u32,
-    height: u32,
     /// Textures of one image share them.
     texels: Arc<Texels>,
     space: ColourSpace,
@@ -52,13 +51,14 @@ pub(crate) struct Texture {
     pub(crate) filter: Filter,
     is_grey: bool,
     has_alpha: bool,
+    mean: OnceLock<Vec4>,
 }
 
 /// Rows from the top, as the file has them.
 #[derive(Clone, Debug)]
 enum Texels {
-    Eight(Vec<[u8; 4]>),
-    Sixteen(Vec<[u16; 4]>),
+    Eight(RgbaImage),
+    Sixteen(ImageBuffer<Rgba<u16>, Vec<u16>>),
 }
 
 impl Texture {
@@ -66,47 +66,53 @@ impl Texture {
     ///
     /// # Errors
     /// [`Error::Read`], or [`Error::Build`] that names the file and the mend.
-    pub(crate) fn load(path: &Path, space: ColourSpace) -> Result<Self, Error> {
-        let image = decode::read(path)?;
+    pub(crate) fn load(path: &Path, space: ColourSpace, budget: &Budget) -> Result<Self, Error> {
+        let image = decode::read(path, budget)?;
         Ok(Self::from_image(image, space))
     }
 
     /// [`Texture::load`] of a file that is in memory; or what is wrong with it.
-    pub(crate) fn decode(bytes: &[u8], space: ColourSpace) -> Result<Self, String> {
-        Ok(Self::from_image(decode::decode(bytes)?, space))
+    pub(crate) fn decode(
+        bytes: &[u8],
+        space: ColourSpace,
+        budget: &Budget,
+    ) -> Result<Self, String> {
+        Ok(Self::from_image(decode::decode(bytes, budget)?, space))
     }
 
     /// The texture of an image; of 8 bits a channel, or 16 where it has more.
-    pub(crate) fn from_image(image: DynamicImage, space: ColourSpace) -> Self {
+    fn from_image(image: DynamicImage, space: ColourSpace) -> Self {
         let color = image.color();
-        let (width, height) = (image.width(), image.height());
         let eight = color.bytes_per_pixel() == color.channel_count();
         let texels = if eight {
-            Texels::Eight(decode::texels(image.into_rgba8().into_raw()))
+            Texels::Eight(image.into_rgba8())
         } else {
-            Texels::Sixteen(decode::texels(image.into_rgba16().into_raw()))
+            Texels::Sixteen(image.into_rgba16())
         };
         Self {
-            width,
-            height,
             is_grey: match &texels {
                 Texels::Eight(t) => decode::is_grey(t),
                 Texels::Sixteen(t) => decode::is_grey(t),
             },
             has_alpha: match &texels {
-                Texels::Eight(t) => t.iter().any(|t| t[3] != u8::MAX),
-                Texels::Sixteen(t) => t.iter().any(|t| t[3] != u16::MAX),
+                Texels::Eight(t) => t.pixels().any(|t| t[3] != u8::MAX),
+                Texels::Sixteen(t) => t.pixels().any(|t| t[3] != u16::MAX),
             },
             texels: Arc::new(texels),
             space,
             wrap: [Wrap::default(); 2],
             filter: Filter::default(),
+            mean: OnceLock::new(),
         }
     }
 
     /// Width and height in texels.
     pub(crate) fn size(&self) -> [u32; 2] {
-        [self.width, self.height]
+        match &*self.texels {
+            Texels::Eight(texels) => texels.dimensions(),
+            Texels::Sixteen(texels) => texels.dimensions(),
+        }
+        .into()
     }
 
     /// Where the texels are: the same for textures that share them.
@@ -117,8 +123,8 @@ impl Texture {
     /// Memory of the texels.
     pub(crate) fn bytes(&self) -> u64 {
         let bytes = match &*self.texels {
-            Texels::Eight(texels) => size_of_val(texels.as_slice()),
-            Texels::Sixteen(texels) => size_of_val(texels.as_slice()),
+            Texels::Eight(texels) => size_of_val(texels.as_raw().as_slice()),
+            Texels::Sixteen(texels) => size_of_val(texels.as_raw().as_slice()),
         };
         bytes as u64
     }
@@ -133,20 +139,25 @@ impl Texture {
         self.has_alpha
     }
 
+    /// The mean of the texels, in linear numbers.
+    pub(crate) fn mean(&self) -> Vec4 {
+        *self.mean.get_or_init(|| {
+            let [width, height] = self.size();
+            let row = |y| (0..width).map(move |x| self.texel(x, y).as_dvec4());
+            let sum: DVec4 = (0..height).flat_map(row).sum();
+            (sum / (f64::from(width) * f64::from(height))).as_vec4()
+        })
+    }
+
     /// Whether it looks like a normal map rather than one of heights: bluish, not grey.
     pub(crate) fn holds_normals(&self) -> bool {
-        let texels = self.width as usize * self.height as usize;
+        let [width, height] = self.size().map(|n| n as usize);
+        let texels = width * height;
         // Enough to know, of a large image.
-        let step = texels.div_ceil(1 << 12);
-        let some = (0..texels).step_by(step);
+        let some = (0..texels).step_by(texels.div_ceil(1 << 12));
         let count = some.len() as f32;
         let sum: Vec4 = some
-            .map(|i| {
-                self.texel(
-                    (i % self.width as usize) as u32,
-                    (i / self.width as usize) as u32,
-                )
-            })
+            .map(|i| self.texel((i % width) as u32, (i / width) as u32))
             .sum();
         let mean = sum / count;
         !self.is_grey && mean.z > 0.6 && (mean.x - 0.5).abs() < 0.2 && (mean.y - 0.5).abs() < 0.2
@@ -156,14 +167,15 @@ impl Texture {
     /// corner of the image, (1, 1) the lower right, as in glTF. Infinite coordinates count as 0.
     pub(crate) fn lookup(&self, uv: Vec2) -> Vec4 {
         let [u, v] = uv.to_array();
+        let [width, height] = self.size();
         match self.filter {
             Filter::Nearest => self.texel(
-                nearest(u, self.width, self.wrap[0]),
-                nearest(v, self.height, self.wrap[1]),
+                nearest(u, width, self.wrap[0]),
+                nearest(v, height, self.wrap[1]),
             ),
             Filter::Bilinear => {
-                let ([x0, x1], s) = between(u, self.width, self.wrap[0]);
-                let ([y0, y1], t) = between(v, self.height, self.wrap[1]);
+                let ([x0, x1], s) = between(u, width, self.wrap[0]);
+                let ([y0, y1], t) = between(v, height, self.wrap[1]);
                 let upper = self.texel(x0, y0).lerp(self.texel(x1, y0), s);
                 let lower = self.texel(x0, y1).lerp(self.texel(x1, y1), s);
                 upper.lerp(lower, t)
@@ -172,10 +184,9 @@ impl Texture {
     }
 
     fn texel(&self, x: u32, y: u32) -> Vec4 {
-        let at = y as usize * self.width as usize + x as usize;
         match &*self.texels {
-            Texels::Eight(texels) => decode::eight(texels[at], self.space),
-            Texels::Sixteen(texels) => decode::sixteen(texels[at], self.space),
+            Texels::Eight(texels) => decode::eight(texels.get_pixel(x, y).0, self.space),
+            Texels::Sixteen(texels) => decode::sixteen(texels.get_pixel(x, y).0, self.space),
         }
     }
 }

@@ -1,8 +1,8 @@
 //! Mitsuba's `.vol` files: a regular grid of 32-bit floats.
 
 use crate::Error;
+use crate::open::open;
 use glam::DVec3;
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
@@ -40,10 +40,11 @@ pub fn read_vol(path: &Path) -> Result<Volume, Error> {
         path: path.to_owned(),
         problem,
     };
-    let mut file = File::open(path).map_err(unreadable)?;
-    let length = file.metadata().map_err(unreadable)?.len();
+    let (mut file, length) = open(path)?;
     let Some(length) = length.checked_sub(HEADER as u64) else {
-        return Err(wrong(format!("{length} bytes are no .vol file")));
+        return Err(wrong(format!(
+            "{length} bytes are no .vol file: write it again"
+        )));
     };
     let mut header = [0; HEADER];
     file.read_exact(&mut header).map_err(unreadable)?;
@@ -76,7 +77,7 @@ fn parse(header: &[u8; HEADER], length: u64) -> Result<(Volume, usize), String> 
     let [x, y, z, channels] = counts;
     let Some(size) = size.filter(|&n| n > 0 && n as u64 == length) else {
         return Err(format!(
-            "the header promises {x} × {y} × {z} voxels of {channels} floats, {length} bytes follow: the file is cut off or not a .vol file"
+            "the header promises {x} × {y} × {z} voxels of {channels} floats, {length} bytes follow: the file is cut off or not a .vol file, write it again"
         ));
     };
     let corner = |i| f64::from(f32::from_le_bytes(word(i)));

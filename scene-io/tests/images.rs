@@ -35,6 +35,7 @@ fn metadata() -> Metadata {
         parts: Vec::new(),
         seconds: 3.5,
         version: "0.1.0".into(),
+        non_finite: 0,
         notes: vec!["max_depth 8: longer paths are missing".into(), "σ".into()],
     }
 }
@@ -84,6 +85,7 @@ fn exr_keeps_radiance_variance_and_metadata() {
         ("fingerprint", "5eed"),
         ("first_pass", "3"),
         ("integrator", "path"),
+        ("non_finite", "0"),
         ("notes", "max_depth 8: longer paths are missing\nσ"),
         ("passes", "12"),
         ("scene", "mist.toml"),

@@ -34,6 +34,7 @@ fn metadata() -> Metadata {
         parts: vec![range(u64::MAX, 3, 8), range(1, 0, 4)],
         seconds: 3.25,
         version: "0.1.0".into(),
+        non_finite: 5,
         notes: vec!["a".into(), "b".into()],
     }
 }
@@ -76,6 +77,46 @@ fn what_is_written_is_read() {
     let grey = round_trip::<f32>();
     assert_eq!(grey.radiance, ramps(&[1.0]));
     assert_eq!(grey.variance, Some(ramps(&[0.25])));
+}
+
+#[test]
+fn passes_that_cannot_be_are_an_error() {
+    let range = |seed, first, count| PassRange { seed, first, count };
+    let huge = vec![range(1, 0, u64::MAX), range(2, 0, 2)];
+    for (first_pass, passes, parts, problem) in [
+        (u64::MAX, 2, vec![], "more than can be"),
+        (
+            0,
+            2,
+            vec![range(1, u64::MAX, 2), range(2, 0, 2)],
+            "more than can be",
+        ),
+        (0, 4, vec![range(1, 0, 2), range(2, 0, 3)], "do not add up"),
+        (0, 1, huge, "do not add up"),
+    ] {
+        let (_folder, path) = file();
+        let metadata = Metadata {
+            first_pass,
+            passes,
+            parts,
+            ..Metadata::default()
+        };
+        let output = RenderOutput {
+            width: 1,
+            height: 1,
+            radiance: &[1.0_f32],
+            variance: &[1.0_f32],
+            features: None,
+            view: None,
+            metadata: &metadata,
+        };
+        write_exr(&path, &output).unwrap();
+        let error = read_exr(&path).unwrap_err().to_string();
+        assert!(
+            error.contains("a.exr") && error.contains(problem),
+            "{error}"
+        );
+    }
 }
 
 #[test]

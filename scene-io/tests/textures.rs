@@ -2,100 +2,26 @@
 //!
 //! False alarms of the statistical tests: 1e-6 each.
 
+#[path = "support/textured.rs"]
+mod textured;
+
 use glam::{Vec2, Vec3};
 use image::{ImageBuffer, Rgba};
-use std::f32::consts::PI;
-use std::path::{Path, PathBuf};
+use textured::*;
 use tyndall_core::{
     Anchor, Geometry, LightDirect, LightEmission, Media, MediumId, PathFrom, Ray, Rgb, Sampler,
-    Shading, Spectrum, SurfaceKind,
+    Shading, SurfaceKind,
 };
-use tyndall_scene_io::{Hit, Scene, SceneFile};
+use tyndall_scene_io::Scene;
 use tyndall_testkit::rng;
 use tyndall_testkit::stats::{Moments, assert_mean};
 
 const FALSE_ALARM: f64 = 1e-6;
 
-/// A file among those that the test of this name wrote.
-fn path(test: &str, name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
-        .join("textures")
-        .join(test);
-    std::fs::create_dir_all(&folder).unwrap();
-    folder.join(name)
-}
-
-fn write8(test: &str, name: &str, width: u32, texels: &[[u8; 4]]) {
-    let height = texels.len() as u32 / width;
-    let pixel = |x, y| Rgba(texels[(y * width + x) as usize]);
-    let image = ImageBuffer::from_fn(width, height, pixel);
-    image.save(path(test, name)).unwrap();
-}
-
 fn write16(test: &str, name: &str, texel: [f32; 3]) {
     let [r, g, b] = texel.map(|c| (65535.0 * c).round() as u16);
     let image = ImageBuffer::from_pixel(2, 2, Rgba([r, g, b, u16::MAX]));
     image.save(path(test, name)).unwrap();
-}
-
-fn load(test: &str, text: &str) -> Result<SceneFile, String> {
-    let head = "
-        [film]
-        width = 8
-        height = 8
-        [camera]
-        position = [0, 0, 5]
-        look_at = [0, 0, 0]
-        fov = 60
-    ";
-    SceneFile::parse(&format!("{head}{text}"), &path(test, "scene.toml"), &[])
-        .map_err(|e| e.to_string())
-}
-
-fn scene<S: Spectrum>(test: &str, text: &str) -> Scene<S> {
-    let file = load(test, text).unwrap_or_else(|e| panic!("{e}"));
-    file.build().unwrap_or_else(|e| panic!("{e}"))
-}
-
-/// The unit square in z = 0 that faces +z, of this material.
-fn square(material: &str) -> String {
-    format!(
-        "
-        [materials.it]
-        {material}
-        [[shapes]]
-        kind = 'quad'
-        corner = [0, 0, 0]
-        edge_u = [1, 0, 0]
-        edge_v = [0, 1, 0]
-        material = 'it'
-        "
-    )
-}
-
-/// What is met on the way from +z to the point (x, y).
-fn hit<S: Spectrum>(scene: &Scene<S>, x: f32, y: f32) -> Hit {
-    let ray = Ray::new(Vec3::new(x, y, 3.0), Vec3::NEG_Z);
-    scene
-        .intersect(&ray, MediumId::VACUUM)
-        .expect("the ray aims at it")
-        .1
-}
-
-/// π times the scattering function straight up: the reflectance of what is diffuse.
-fn reflectance<S: Spectrum>(scene: &Scene<S>, hit: &Hit) -> S {
-    let n = scene.surface(hit).shading_normal;
-    scene.bsdf_eval(hit, n, n, PathFrom::Sensor) * PI
-}
-
-const WHITE: [u8; 4] = [255; 4];
-const RED: [u8; 4] = [255, 0, 0, 255];
-const GREEN: [u8; 4] = [0, 255, 0, 255];
-const BLUE: [u8; 4] = [0, 0, 255, 255];
-const GONE: [u8; 4] = [255, 255, 255, 0];
-
-fn close(a: Rgb, b: [f32; 3]) -> bool {
-    (a.0 - Vec3::from(b)).abs().max_element() < 1e-5
 }
 
 #[test]
@@ -313,6 +239,26 @@ fn a_textured_lamp_emits_the_power_of_its_texture() {
     assert_mean("power", flux.estimate(), expected, FALSE_ALARM);
 }
 
+/// A texel that the measurement of the lamp's mean radiance misses, among 8192 black ones.
+#[test]
+fn a_speck_of_light_is_not_lost() {
+    let black = [0, 0, 0, 255];
+    let texels: Vec<_> = (0..8192)
+        .map(|i| if i == 0 { WHITE } else { black })
+        .collect();
+    write8("speck", "speck.png", 8192, &texels);
+    let speck = "kind = 'diffuse'\nreflectance = 0\n\
+                 emission = { file = 'speck.png', filter = 'nearest' }";
+    let lamp: Scene<f32> = scene("speck", &square(speck));
+    let mut sampler = rng(5);
+    // All 100 000 miss it with a probability of 5e-6.
+    let mut emitted = (0..100_000).filter_map(|_| lamp.sample_emission(sampler.next()));
+    assert!(emitted.any(|s| s.flux > 0.0));
+    write8("speck", "speck.png", 1, &[black]);
+    let dark: Scene<f32> = scene("speck", &square(speck));
+    assert!(dark.sample_emission(sampler.next()).is_none());
+}
+
 #[test]
 fn normal_maps_bend_the_shading_normal() {
     let bent = |test: &str, texel, keys: &str| {
@@ -375,93 +321,6 @@ fn scalars_come_from_the_channel_that_is_named() {
     assert_eq!(kind(rough), SurfaceKind::Finite);
     let smooth = "roughness = { file = 'packed.png', channel = 'green' }\nmetallic = 1";
     assert_eq!(kind(smooth), SurfaceKind::Delta);
-}
-
-const OBJ: &str = "mtllib a.mtl
-v 0 0 0
-v 1 0 0
-v 1 1 0
-v 0 1 0
-vt 0 0
-vt 1 0
-vt 1 1
-vt 0 1
-usemtl it
-f 1/1 2/2 3/3 4/4
-";
-
-fn obj(test: &str, obj: &str, mtl: &str) -> Result<SceneFile, String> {
-    std::fs::write(path(test, "a.obj"), obj).unwrap();
-    std::fs::write(path(test, "a.mtl"), format!("newmtl it\n{mtl}\n")).unwrap();
-    load(test, "[[shapes]]\nkind = 'obj'\nfile = 'a.obj'")
-}
-
-#[test]
-fn mtl_files_bring_their_textures() {
-    let test = "mtl";
-    write8(test, "four.png", 2, &[RED, GREEN, BLUE, WHITE]);
-    write8(test, "hole in two.png", 2, &[[0, 0, 0, 255], WHITE]);
-    let mtl = "map_Kd four.png\nmap_Ke -s 2 2 1 four.png\nKe 2 2 2\nillum 1\nmap_d hole in two.png";
-    let scene: Scene<Rgb> = obj(test, OBJ, mtl).unwrap().build().unwrap();
-    assert!(close(
-        reflectance(&scene, &hit(&scene, 0.75, 0.75)),
-        [0.0, 1.0, 0.0]
-    ));
-    let left = hit(&scene, 0.2, 0.7);
-    assert_eq!(
-        scene.surface_kind(&left),
-        SurfaceKind::Null,
-        "the image has alpha 1 and red 0"
-    );
-    let emitted = scene.emitted(&hit(&scene, 0.875, 0.375), Vec3::Z);
-    assert!(close(emitted, [0.0, 2.0, 0.0]), "{emitted:?}");
-}
-
-#[test]
-fn mtl_keys_choose_the_material() {
-    let kind = |mtl: &str| {
-        let scene: Scene<Rgb> = obj("mtl_keys", OBJ, mtl).unwrap().build().unwrap();
-        let hit = hit(&scene, 0.5, 0.4);
-        let glossy = reflectance(&scene, &hit).0.x;
-        (scene.surface_kind(&hit), (glossy * 100.0).round())
-    };
-    use SurfaceKind::{Delta, Finite};
-    assert_eq!(kind("Kd 0.5 0.5 0.5"), (Finite, 50.0));
-    assert_eq!(kind("Kd 0.5 0.5 0.5\nKs 0 0 0\nillum 2"), (Finite, 50.0));
-    assert_eq!(kind("Kd 0.5 0.5 0.5\nPr 0\nPm 1"), (Delta, 0.0));
-    assert_eq!(kind("Kd 1 1 1\nPr 0\nTf 1 1 1\nNi 1.45"), (Delta, 0.0));
-    assert_eq!(kind("Kd 0.5 0.5 0.5\nd 0.2\nillum 7\nNi 1.3"), (Delta, 0.0));
-    // A highlight on top of the diffuse base.
-    let (finite, glossy) = kind("Kd 0.5 0.5 0.5\nKs 0.5 0.5 0.5\nNs 100\nillum 2");
-    assert!(finite == Finite && glossy > 60.0, "{glossy}");
-}
-
-#[test]
-fn faces_without_texture_coordinates_are_said() {
-    let bare = OBJ.replace("f 1/1 2/2 3/3 4/4", "f 1 2 3 4");
-    write8("bare", "four.png", 2, &[RED, GREEN, BLUE, WHITE]);
-    let file = obj("bare", &bare, "Kd 0.5 0.5 0.5\nmap_Kd four.png").unwrap();
-    assert!(file.notices()[0].contains("no texture coordinates"));
-    let text = "
-        [materials.wood]
-        kind = 'diffuse'
-        reflectance = { file = 'four.png' }
-        [[shapes]]
-        kind = 'obj'
-        file = 'a.obj'
-        material = 'wood'";
-    let why = load("bare", text).unwrap_err();
-    assert!(
-        why.contains("shapes.0") && why.contains("\"wood\" has textures"),
-        "{why}"
-    );
-}
-
-#[test]
-fn bump_maps_are_left_out_and_said() {
-    write8("bump", "bump.png", 1, &[[90, 90, 90, 255]]);
-    let file = obj("bump", OBJ, "Kd 0.5 0.5 0.5\nmap_Bump -bm 2 bump.png").unwrap();
-    assert!(file.notices()[0].contains("bump.png holds heights"));
 }
 
 #[test]

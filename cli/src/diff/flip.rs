@@ -4,7 +4,7 @@ use super::pair::{Pair, plane};
 use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, flip};
 use serde::Serialize;
 use std::fmt;
-use tyndall_scene_io::RenderedImage;
+use tyndall_scene_io::{RenderedImage, srgb_encode};
 
 /// Display luminance that the brightest and the median pixel are exposed to.
 const EXPOSED: f64 = 0.85;
@@ -86,7 +86,7 @@ fn shown(image: &RenderedImage, scale: f64) -> FlipImageRgb8 {
     FlipImageRgb8::with_data(image.width, image.height, &bytes)
 }
 
-/// [`ACES`], then the curve of sRGB (IEC 61966-2-1).
+/// [`ACES`], then the curve of sRGB.
 fn encode(x: f64) -> u8 {
     let x = if x.is_finite() {
         x.clamp(0.0, 1e6)
@@ -95,12 +95,7 @@ fn encode(x: f64) -> u8 {
     };
     let [a, b, c, d, e] = ACES;
     let y = ((a * x * x + b * x) / (c * x * x + d * x + e)).clamp(0.0, 1.0);
-    let encoded = if y <= 0.003_130_8 {
-        12.92 * y
-    } else {
-        1.055 * y.powf(1.0 / 2.4) - 0.055
-    };
-    (255.0 * encoded).round() as u8
+    (255.0 * srgb_encode(y)).round() as u8
 }
 
 impl fmt::Display for Flip {

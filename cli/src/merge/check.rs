@@ -2,7 +2,7 @@
 
 use std::fmt::Debug;
 use std::path::{Path, PathBuf};
-use tyndall_scene_io::{Metadata, PassRange, RenderedImage};
+use tyndall_scene_io::{Metadata, PassRange, RenderedImage, TooManyPasses};
 
 /// Why images may not be averaged.
 #[derive(Debug, thiserror::Error)]
@@ -31,6 +31,11 @@ pub(crate) enum Refusal {
         path: PathBuf,
         other: PathBuf,
         shared: PassRange,
+    },
+    #[error("{}: {source} with it: leave it out", path.display())]
+    TooMany {
+        path: PathBuf,
+        source: TooManyPasses,
     },
 }
 

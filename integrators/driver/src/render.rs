@@ -178,6 +178,7 @@ impl<'a, H: Sensor> Render<'a, H> {
                 self.integrator.splats_any(&prepared),
             );
             snapshot.next_pass += 1;
+            // Now, for the next pass changes the pixels, and may be cancelled and dropped.
             snapshot.memory = self.memory(&prepared, &mut places).ok();
             snapshot.elapsed = earlier + begun.elapsed();
             previous = Some(prepared);

@@ -48,7 +48,10 @@ pub(crate) fn parse(path: &str, text: &str) -> Result<Node, Error> {
     let source = Source::new(path, text);
     let table = DeTable::parse(text).map_err(|e| Error::Syntax {
         place: source.place(&e.span().unwrap_or(0..0)),
-        problem: e.message().to_owned(),
+        problem: match e.message() {
+            problem @ "duplicate key" => format!("{problem}: remove one"),
+            problem => problem.to_owned(),
+        },
     })?;
     let place = source.place(&(0..0));
     Ok(Node {

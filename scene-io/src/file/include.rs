@@ -6,6 +6,7 @@ use super::shape::{self, transform};
 use crate::files::Files;
 use crate::gltf::{self, Lamp, Loaded, Options, Projection, SceneChoice, View};
 use crate::media::MediumDescription;
+use crate::texture::Budget;
 use crate::{Error, Place};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -33,8 +34,13 @@ pub(super) fn is_gltf(path: &Path) -> bool {
 
 impl Included {
     /// Reads the files of all includes; `direct` if the scene is but one, of that file.
-    pub(super) fn read(fields: &[Field<'_>], files: &Files, direct: bool) -> Result<Self, Error> {
-        let loaded = fields.iter().map(|field| read(field, files, direct));
+    pub(super) fn read(
+        fields: &[Field<'_>],
+        files: &Files,
+        direct: bool,
+        budget: &Budget,
+    ) -> Result<Self, Error> {
+        let loaded = (fields.iter()).map(|field| read(field, files, direct, budget));
         let files = loaded.collect::<Result<_, _>>()?;
         Ok(Self { files, direct })
     }
@@ -105,7 +111,7 @@ impl Included {
 }
 
 /// Reads the file of an include.
-fn read(field: &Field<'_>, files: &Files, direct: bool) -> Result<Loaded, Error> {
+fn read(field: &Field<'_>, files: &Files, direct: bool, budget: &Budget) -> Result<Loaded, Error> {
     let table = field.table()?;
     let file = table.required("file")?;
     let path = files.named(file.string()?);
@@ -115,7 +121,8 @@ fn read(field: &Field<'_>, files: &Files, direct: bool) -> Result<Loaded, Error>
     let options = options(&table)?;
     table.expect(&["materials"]);
     table.finish()?;
-    gltf::load(&path, &options, files).map_err(|e| if direct { e } else { file.error(e) })
+    let loaded = gltf::load(&path, &options, (files, budget));
+    loaded.map_err(|e| if direct { e } else { file.error(e) })
 }
 
 fn options(table: &Table<'_>) -> Result<Options, Error> {

@@ -6,8 +6,9 @@ use crate::files::Files;
 use crate::media::{Grid, MediumDescription};
 use crate::vol::{Volume, read_vol};
 use glam::DVec3;
+use std::fmt::Display;
 use tyndall_core::{Aabb, Coefficients, Rgb, Spectrum};
-use tyndall_media::{DenseGrid, Phase, Tracking};
+use tyndall_media::{DenseGrid, MediumError, Phase, Tracking};
 
 /// Reads a medium; `files` gets those that it names, `origin` the point that becomes 0.
 pub(super) fn read(
@@ -31,7 +32,11 @@ pub(super) fn read(
         phase,
         grid,
     };
-    description.build::<Rgb>().map_err(|e| field.error(e))?;
+    let built = description.build::<Rgb>();
+    built.map_err(|e| match (&e, table.optional("albedo")) {
+        (MediumError::Albedo { .. }, Some(albedo)) => of_file(&albedo, files, e),
+        _ => field.error(e),
+    })?;
     Ok(description)
 }
 
@@ -122,10 +127,11 @@ fn density(table: &Table<'_>, files: &Files, origin: DVec3) -> Result<(DenseGrid
     let bounds = place(corners.unwrap_or(voxels.bounds));
     if voxels.channels != 1 {
         let n = voxels.channels;
-        return Err(source.error(format!("the density must have 1 channel, the file has {n}")));
+        let why = format!("has {n} channels, and a density has 1: write one of 1");
+        return Err(of_file(&source, files, why));
     }
     let grid = DenseGrid::new(voxels.resolution, bounds, voxels.values);
-    Ok((grid.map_err(|e| source.error(e))?, bounds))
+    Ok((grid.map_err(|e| of_file(&source, files, e))?, bounds))
 }
 
 /// A procedural plume whose longest edge has `resolution` voxels.
@@ -148,13 +154,22 @@ fn colours(field: &Field<'_>, files: &Files, bounds: Aabb) -> Result<DenseGrid<R
         3 => (voxels.values.chunks_exact(3))
             .map(|c| Rgb::new(c[0], c[1], c[2]))
             .collect(),
-        n => return Err(field.error(format!("expected 1 or 3 channels, the file has {n}"))),
+        n => {
+            let why = format!("has {n} channels: write one of 1 or 3 channels");
+            return Err(of_file(field, files, why));
+        }
     };
-    DenseGrid::new(voxels.resolution, bounds, values).map_err(|e| field.error(e))
+    DenseGrid::new(voxels.resolution, bounds, values).map_err(|e| of_file(field, files, e))
 }
 
 fn volume(field: &Field<'_>, files: &Files) -> Result<Volume, Error> {
     read_vol(&files.named(field.string()?)).map_err(|e| field.error(e))
+}
+
+/// A complaint about the file that `field` names.
+fn of_file(field: &Field<'_>, files: &Files, problem: impl Display) -> Error {
+    let path = files.named(field.string().unwrap_or_default());
+    field.error(format!("{}: {problem}", path.display()))
 }
 
 fn phase(field: &Field<'_>) -> Result<Phase, Error> {

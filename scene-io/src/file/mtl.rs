@@ -5,10 +5,10 @@
 //! diffuse, under a clear coat if it has a highlight.
 
 use super::material::Material;
-use super::texture::{Textures, upright};
+use super::texture::Textures;
 use crate::Error;
 use crate::files::Files;
-use crate::material::{AlphaMode, Bsdf, Map, MetallicRoughness, NormalMap, ScalarMap};
+use crate::material::{AlphaMode, Bsdf, FLIP, Map, MetallicRoughness, NormalMap, ScalarMap};
 use crate::texture::{ColourSpace, Filter, Wrap};
 use glam::{Affine2, Vec2};
 use tyndall_core::{Rgb, Spectrum};
@@ -49,7 +49,8 @@ pub(super) fn read(
         let channel = if map.texture.has_alpha() { 3 } else { 0 };
         maps.alpha_map = Some(ScalarMap { map, channel });
         maps.alpha_mode = AlphaMode::Mask { cutoff: 0.5 };
-    } else if !is_glass(mtl) {
+    } else if is_pbr(mtl) || !is_glass(mtl) {
+        // Of glass, `d` says what the index of refraction says better.
         let opaque = number(mtl, "Tr").map(|tr| 1.0 - tr);
         maps.alpha = (mtl.dissolve.map(|d| d as f32).or(opaque))
             .unwrap_or(1.0)
@@ -86,7 +87,7 @@ fn bsdf(mtl: &tobj::Material, kd: Rgb) -> Result<Bsdf<Rgb>, String> {
         transmission: 0.0,
         thin: false,
     };
-    let model = if pr.is_some() || pm.is_some() {
+    let model = if is_pbr(mtl) {
         let filter = unknown(mtl, &["Tf"]).and_then(|t| t.split_whitespace().next()?.parse().ok());
         MetallicRoughness {
             metallic: pm.unwrap_or(0.0).clamp(0.0, 1.0),
@@ -124,7 +125,12 @@ fn bsdf(mtl: &tobj::Material, kd: Rgb) -> Result<Bsdf<Rgb>, String> {
     })
 }
 
-/// Whether the illumination model is one of refraction.
+/// Whether it has keys of the extension for physically based rendering.
+fn is_pbr(mtl: &tobj::Material) -> bool {
+    number(mtl, "Pr").or(number(mtl, "Pm")).is_some()
+}
+
+/// Whether the illumination model is one of refraction, which counts without those keys.
 fn is_glass(mtl: &tobj::Material) -> bool {
     matches!(mtl.illumination_model, Some(4 | 6 | 7 | 9))
 }
@@ -195,7 +201,7 @@ fn load(
     Ok(Loaded {
         map: Map {
             texture: texture.map_err(|e: Error| format!("names a texture: {e}"))?,
-            transform: upright(transform),
+            transform: FLIP * transform,
         },
         strength,
     })

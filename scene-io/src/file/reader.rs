@@ -83,7 +83,8 @@ impl<'a> Table<'a> {
         };
         let mut problem = format!("unknown key; {nearest}");
         for (key, node, nearest) in &unknown[1..] {
-            problem += &format!("\n{}: `{key}`: unknown key; {nearest}", node.key);
+            let field = self.field.child_path(key);
+            problem += &format!("\n{}: `{field}`: unknown key; {nearest}", node.key);
         }
         Err(Error::Scene {
             place: node.key.clone(),
@@ -345,6 +346,7 @@ impl<'a> Field<'a> {
 /// The known word that `word` most likely was meant to be.
 pub(crate) fn nearest<'k>(word: &str, known: impl Iterator<Item = &'k str>) -> Option<&'k str> {
     known
+        .filter(|k| !k.is_empty())
         .map(|k| (strsim::damerau_levenshtein(word, k), k))
         .filter(|(distance, k)| *distance <= (k.chars().count().max(3) / 3).min(3))
         .min()

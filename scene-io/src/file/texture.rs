@@ -3,9 +3,9 @@
 use super::reader::{Field, Table};
 use crate::Error;
 use crate::files::Files;
-use crate::material::{Map, ScalarMap};
-use crate::texture::{ColourSpace, Filter, Texture, Wrap};
-use glam::{Affine2, Mat2, Vec2};
+use crate::material::{FLIP, Map, ScalarMap};
+use crate::texture::{Budget, ColourSpace, Filter, Texture, Wrap};
+use glam::{Affine2, Vec2};
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -17,15 +17,20 @@ type Source = (PathBuf, ColourSpace, [Wrap; 2], Filter);
 /// The textures of a scene, each read once.
 pub(super) struct Textures<'a> {
     pub(super) files: &'a Files,
+    budget: &'a Budget,
     loaded: HashMap<Source, Arc<Texture>>,
 }
 
 const CHANNELS: [&str; 4] = ["red", "green", "blue", "alpha"];
 
 impl<'a> Textures<'a> {
-    pub(super) fn new(files: &'a Files) -> Self {
+    pub(super) fn new(files: &'a Files, budget: &'a Budget) -> Self {
         let loaded = HashMap::new();
-        Self { files, loaded }
+        Self {
+            files,
+            budget,
+            loaded,
+        }
     }
 
     pub(super) fn get(
@@ -39,7 +44,7 @@ impl<'a> Textures<'a> {
         if let Some(texture) = self.loaded.get(&source) {
             return Ok(texture.clone());
         }
-        let mut texture = Texture::load(&source.0, space)?;
+        let mut texture = Texture::load(&source.0, space, self.budget)?;
         (texture.wrap, texture.filter) = (wrap, filter);
         let texture = Arc::new(texture);
         self.loaded.insert(source, texture.clone());
@@ -66,7 +71,7 @@ impl<'a> Textures<'a> {
         let texture = self.get(path, space, [wrap; 2], filter);
         Ok(Map {
             texture: texture.map_err(|e| file.error(e))?,
-            transform: upright(transform),
+            transform: FLIP * transform,
         })
     }
 
@@ -116,12 +121,6 @@ impl<'a> Textures<'a> {
 /// A number from 0 to 1.
 pub(super) fn share(field: &Field<'_>) -> Result<f32, Error> {
     field.number_that(|x| (0.0..=1.0).contains(&x), "a number from 0 to 1")
-}
-
-/// A transformation of texture coordinates whose v runs up the image, as one whose v runs down.
-pub(super) fn upright(transform: Affine2) -> Affine2 {
-    let flip = Affine2::from_mat2_translation(Mat2::from_diagonal(Vec2::new(1.0, -1.0)), Vec2::Y);
-    flip * transform
 }
 
 /// First scaled, then rotated counter-clockwise, then moved.

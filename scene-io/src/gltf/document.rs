@@ -2,8 +2,8 @@
 
 use super::container;
 use super::uri;
-use crate::Error;
 use crate::files::Files;
+use crate::{Error, open};
 use gltf::json::validation::{Error as Fault, Validate};
 use gltf::json::{Index, Path as JsonPath, Root, buffer};
 use serde::Deserialize;
@@ -72,10 +72,7 @@ impl Document {
         notices: &mut Vec<String>,
     ) -> Result<Self, Error> {
         let files = files.followed_from(path);
-        let bytes = std::fs::read(path).map_err(|source| Error::Read {
-            path: path.to_owned(),
-            source,
-        })?;
+        let bytes = open::read(path)?;
         let (json, bin) = container::split(path, &bytes)?;
         check_head(path, json, drafts, notices)?;
         let root: Root = deserialize(path, json)?;

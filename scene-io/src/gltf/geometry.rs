@@ -3,7 +3,8 @@
 use super::accessor;
 use super::document::Document;
 use crate::Error;
-use glam::{Vec2, Vec3};
+use crate::material::FLIP;
+use glam::Vec3;
 use gltf::json::Index;
 use gltf::json::accessor::Accessor;
 use gltf::json::mesh::{Mode, Primitive, Semantic};
@@ -116,7 +117,8 @@ impl<'a> Reader<'a> {
         if let Some(index) = key.uvs {
             let name = named(&format!("TEXCOORD_{uv_set}"));
             let uvs = self.attribute(index, mesh.positions.len(), &name)?;
-            mesh.uvs = uvs.into_iter().map(Vec2::from).collect();
+            let upwards = |uv: [f32; 2]| FLIP.transform_point2(uv.into());
+            mesh.uvs = uvs.into_iter().map(upwards).collect();
         }
         Ok(mesh)
     }

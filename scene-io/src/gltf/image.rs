@@ -3,7 +3,7 @@
 use super::document::Document;
 use super::uri;
 use crate::Error;
-use crate::texture::{ColourSpace, Filter, Texture, Wrap};
+use crate::texture::{Budget, ColourSpace, Filter, Texture, Wrap};
 use gltf::json::Index;
 use gltf::json::texture::{self, MagFilter, WrappingMode};
 use gltf::json::validation::Checked;
@@ -13,22 +13,19 @@ use std::sync::Arc;
 /// Textures that were read.
 pub(super) struct Textures<'a> {
     document: &'a Document,
+    budget: &'a Budget,
     known: HashMap<(usize, ColourSpace), Arc<Texture>>,
     /// By image: many textures may show one.
     decoded: HashMap<(usize, ColourSpace), Texture>,
-    texels: u64,
 }
 
-/// Texels of all textures of a file at most: an image of one colour says much in few bytes.
-const MAX_TEXELS: u64 = 1 << 30;
-
 impl<'a> Textures<'a> {
-    pub(super) fn of(document: &'a Document) -> Self {
+    pub(super) fn of(document: &'a Document, budget: &'a Budget) -> Self {
         Self {
             document,
+            budget,
             known: HashMap::new(),
             decoded: HashMap::new(),
-            texels: 0,
         }
     }
 
@@ -63,13 +60,7 @@ impl<'a> Textures<'a> {
             return Ok(texture.clone());
         }
         let fault = |problem: String| self.document.error(format!("images[{index}]"), problem);
-        let texture = Texture::decode(&self.bytes(index)?, space).map_err(fault)?;
-        let [width, height] = texture.size().map(u64::from);
-        self.texels += width * height;
-        if self.texels > MAX_TEXELS {
-            let why = "has, with those before it, more than 2³⁰ texels: scale images down";
-            return Err(fault(why.into()));
-        }
+        let texture = Texture::decode(&self.bytes(index)?, space, self.budget).map_err(fault)?;
         self.decoded.insert((index, space), texture.clone());
         Ok(texture)
     }

@@ -5,9 +5,9 @@ use super::image::Textures;
 use super::medium::{self, Extras, Surface};
 use crate::Error;
 use crate::file::Material;
-use crate::material::{AlphaMode, Bsdf, Map, Maps, MetallicRoughness, NormalMap, ScalarMap};
+use crate::material::{AlphaMode, Bsdf, FLIP, Map, Maps, MetallicRoughness, NormalMap, ScalarMap};
 use crate::media::MediumDescription;
-use crate::texture::ColourSpace;
+use crate::texture::{Budget, ColourSpace};
 use glam::{Affine2, Mat2, Vec2};
 use gltf::json::extensions::texture::TextureTransform;
 use gltf::json::material::AlphaMode as Alpha;
@@ -39,11 +39,12 @@ impl<'a> Reader<'a> {
     pub(super) fn new(
         document: &'a Document,
         conventions: Conventions,
+        budget: &'a Budget,
         notices: &'a mut Vec<String>,
     ) -> Self {
         Self {
             document,
-            textures: Textures::of(document),
+            textures: Textures::of(document, budget),
             conventions,
             notices,
         }
@@ -307,8 +308,10 @@ impl<'a> Reader<'a> {
             let field = format!("{field}.extensions.KHR_texture_transform");
             return Err(self.document.error(field, "must be finite: export again"));
         }
-        let texture = self.textures.get(texture, space)?;
-        Ok(Map { texture, transform })
+        Ok(Map {
+            texture: self.textures.get(texture, space)?,
+            transform: transform * FLIP,
+        })
     }
 }
 
@@ -328,7 +331,7 @@ impl UvSet {
     }
 }
 
-/// First scaled, then rotated, then moved. v runs downwards, so that a rotation that is
+/// First scaled, then rotated, then moved. v runs downwards here, so that a rotation that is
 /// counter-clockwise to the eye takes (1, 0) to (cos, −sin).
 fn affine(transform: &TextureTransform) -> Affine2 {
     let (sin, cos) = transform.rotation.0.sin_cos();

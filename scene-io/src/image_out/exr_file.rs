@@ -19,8 +19,9 @@ use tyndall_core::Spectrum;
 /// | `albedo.R`, …, `normal.X`, `.Y`, `.Z`, `depth.Z` | [`Features`](crate::Features), if given |
 ///
 /// Metadata are attributes `tyndall.scene`, `.fingerprint`, `.integrator`, `.seed`, `.first_pass`,
-/// `.passes`, `.parts` (of a merge: a line of seed, first pass and passes each), `.seconds`, `.version`, `.channels` and `.notes` (one a line); those that are empty
-/// are left out. `software` and `comments` repeat the version and the notes for other programs.
+/// `.passes`, `.parts` (of a merge: a line of seed, first pass and passes each), `.seconds`,
+/// `.version`, `.channels`, `.non_finite` (samples that were not finite) and `.notes` (one a line);
+/// those that are empty are left out. `software` and `comments` repeat the version and the notes for other programs.
 /// With a [`View`], the display window is the whole picture and the data window the image's part of
 /// it, and `worldToCamera`, `screenWindowCenter` and `screenWindowWidth` describe the camera (of
 /// row vectors, looking along −z, as OpenEXR has it).
@@ -99,6 +100,7 @@ fn described(metadata: &Metadata, colours: &[&str]) -> LayerAttributes {
         ("seconds", metadata.seconds.to_string()),
         ("version", metadata.version.clone()),
         ("channels", colours.join(",")),
+        ("non_finite", metadata.non_finite.to_string()),
         ("notes", notes.clone()),
     ];
     let mut attributes = LayerAttributes::default();

@@ -15,6 +15,11 @@ pub struct PassRange {
     pub count: u64,
 }
 
+/// Images of more passes than can be counted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the passes are more than 2⁶⁴ − 1")]
+pub struct TooManyPasses;
+
 impl PassRange {
     /// The passes that are in both.
     pub fn shared(&self, other: &Self) -> Option<Self> {
@@ -30,6 +35,11 @@ impl PassRange {
     fn end(&self) -> u64 {
         self.first.saturating_add(self.count)
     }
+}
+
+/// Passes of several ranges, if they can be counted.
+fn total(ranges: &[PassRange]) -> Option<u64> {
+    (ranges.iter()).try_fold(0_u64, |sum, range| sum.checked_add(range.count))
 }
 
 impl fmt::Display for PassRange {
@@ -76,8 +86,16 @@ impl Metadata {
         ours.find_map(|a| theirs.iter().find_map(|b| a.shared(b)))
     }
 
-    /// Says that the image averages these passes, adjacent ones of a seed as one range.
-    pub fn set_pass_ranges(&mut self, mut ranges: Vec<PassRange>) {
+    /// Says that the image averages the passes of another as well, adjacent ones of a seed as one
+    /// range. The rest stays.
+    ///
+    /// # Errors
+    /// [`TooManyPasses`]; nothing is changed then.
+    pub fn add_passes(&mut self, other: &Self) -> Result<(), TooManyPasses> {
+        let mut ranges = self.pass_ranges();
+        ranges.extend(other.pass_ranges());
+        // No sum of some of them overflows if that of all does not.
+        self.passes = total(&ranges).ok_or(TooManyPasses)?;
         ranges.sort_unstable();
         ranges.dedup_by(|next, range| {
             let adjacent = next.seed == range.seed && next.first == range.end();
@@ -89,8 +107,26 @@ impl Metadata {
         if let Some(range) = ranges.first() {
             (self.seed, self.first_pass) = (range.seed, range.first);
         }
-        self.passes = ranges.iter().map(|range| range.count).sum();
         self.parts = if ranges.len() > 1 { ranges } else { Vec::new() };
+        Ok(())
+    }
+
+    /// What is wrong with the passes that a file claims.
+    pub(crate) fn check_passes(&self) -> Result<(), String> {
+        let ranges = self.pass_ranges();
+        if let Some(range) = (ranges.iter()).find(|p| p.first.checked_add(p.count).is_none()) {
+            let PassRange { first, count, .. } = range;
+            return Err(format!(
+                "it claims {count} passes from {first} on, which is more than can be"
+            ));
+        }
+        match total(&ranges) {
+            Some(passes) if passes == self.passes => Ok(()),
+            _ => Err(format!(
+                "its attribute `tyndall.passes` is {}, and `tyndall.parts` do not add up to it",
+                self.passes
+            )),
+        }
     }
 
     /// The lines of `tyndall.parts`.

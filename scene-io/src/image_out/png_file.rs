@@ -1,7 +1,7 @@
 //! PNG, tone-mapped to look at.
 
 use super::{RenderOutput, write_whole};
-use crate::Error;
+use crate::{Error, srgb_encode};
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 use std::path::Path;
 use tyndall_core::Spectrum;
@@ -48,17 +48,12 @@ fn own_exposure<S: Spectrum>(radiance: &[S]) -> f32 {
     5.0_f32.ln() / *bright
 }
 
-/// The curve of IEC 61966-2-1 after the exponential one.
+/// The curve of sRGB after the exponential one.
 fn encode(x: f32) -> u8 {
     let y = if x.is_finite() {
         -(-x.max(0.0)).exp_m1()
     } else {
         0.0
     };
-    let encoded = if y <= 0.003_130_8 {
-        12.92 * y
-    } else {
-        1.055 * y.powf(1.0 / 2.4) - 0.055
-    };
-    (255.0 * encoded + 0.5) as u8
+    (255.0 * srgb_encode(y.into())).round() as u8
 }

@@ -1,5 +1,8 @@
 //! A choice among many, in proportion to weights.
 
+use super::{Light, Source, World};
+use tyndall_core::Spectrum;
+
 /// A discrete distribution.
 #[derive(Clone, Debug)]
 pub(super) struct Choice {
@@ -34,6 +37,38 @@ impl Choice {
         let below = i.checked_sub(1).map_or(0.0, |i| self.cumulative[i]);
         self.cumulative.get(i).map_or(0.0, |c| (c - below) as f32)
     }
+}
+
+/// How often to choose each of the lights that are `eligible`: in proportion to its power among
+/// those of its kind, at infinity or in the scene, which share evenly. The power of light from
+/// infinity grows with the size of the world: by power alone, a large ground would hide every lamp.
+pub(super) fn weights<S: Spectrum>(
+    lights: &[Light<S>],
+    world: World,
+    eligible: impl Fn(&Light<S>) -> bool,
+) -> impl Iterator<Item = f64> {
+    let kind = |light: &Light<S>| {
+        usize::from(matches!(
+            light.source,
+            Source::Environment(_) | Source::Directional(_)
+        ))
+    };
+    let mut totals = [0.0; 2];
+    let mut shares = Vec::with_capacity(lights.len());
+    for light in lights.iter() {
+        let power = if eligible(light) {
+            f64::from(light.power(world).mean())
+        } else {
+            0.0
+        };
+        totals[kind(light)] += power;
+        shares.push((power, kind(light)));
+    }
+    let share = move |(power, kind): (f64, usize)| match totals[kind] {
+        0.0 => 0.0,
+        total => power / total,
+    };
+    shares.into_iter().map(share)
 }
 
 #[cfg(test)]

@@ -1,11 +1,18 @@
 //! Textures that vary a material over its surface.
 
 use crate::texture::Texture;
-use glam::{Affine2, Vec2, Vec4};
+use glam::{Affine2, Mat2, Vec2, Vec4};
 use std::sync::Arc;
+use tyndall_core::Rgb;
 
-/// A texture, and how the texture coordinates of a surface become its own, whose origin is the
-/// upper left corner of the image.
+/// Turns texture coordinates of surfaces, whose v runs up the image from its lower left corner,
+/// into those of textures, whose v runs down from the upper left; and back.
+pub(crate) const FLIP: Affine2 = Affine2 {
+    matrix2: Mat2::from_cols(Vec2::X, Vec2::NEG_Y),
+    translation: Vec2::Y,
+};
+
+/// A texture, and how the texture coordinates of a surface become its own.
 #[derive(Clone, Debug)]
 pub(crate) struct Map {
     pub(crate) texture: Arc<Texture>,
@@ -129,6 +136,32 @@ impl Maps {
         bare && !self.vary_bsdf() && !self.cut()
     }
 
+    /// The mean of the texture of the emission.
+    pub(crate) fn mean_glow(&self) -> Rgb {
+        let map = self.emission.as_ref();
+        map.map_or(Rgb::new(1.0, 1.0, 1.0), |map| {
+            Rgb(map.texture.mean().truncate())
+        })
+    }
+
+    /// The mean of alpha over its texture; 1 if it means nothing.
+    pub(crate) fn mean_alpha(&self) -> f32 {
+        if !self.cut() {
+            return 1.0;
+        }
+        let map = self.alpha_map.as_ref();
+        self.alpha * map.map_or(1.0, |s| s.map.texture.mean()[s.channel])
+    }
+
+    /// What is left of them where there are no texture coordinates: the constants.
+    pub(crate) fn without_textures(&self) -> Self {
+        Self {
+            alpha: self.alpha,
+            alpha_mode: self.alpha_mode,
+            ..Self::default()
+        }
+    }
+
     /// Whether texture coordinates are needed.
     pub(crate) fn have_textures(&self) -> bool {
         let others = [
@@ -137,15 +170,6 @@ impl Maps {
             self.alpha_map.is_some(),
         ];
         self.vary_bsdf() || others.contains(&true)
-    }
-
-    /// What is left where there are no texture coordinates.
-    pub(crate) fn without_textures(&self) -> Self {
-        Self {
-            alpha: self.alpha,
-            alpha_mode: self.alpha_mode,
-            ..Self::default()
-        }
     }
 
     /// Whether all colours have equal channels.

@@ -8,7 +8,7 @@ use std::str::FromStr;
 /// Attributes `tyndall.*`; what is not there stays as [`Metadata::default`] has it.
 pub(super) fn read(header: &Header) -> Result<Metadata, String> {
     let text = |key: &str| attribute(header, &format!("tyndall.{key}"));
-    Ok(Metadata {
+    let metadata = Metadata {
         scene: text("scene"),
         fingerprint: text("fingerprint"),
         integrator: text("integrator"),
@@ -18,8 +18,12 @@ pub(super) fn read(header: &Header) -> Result<Metadata, String> {
         parts: parts(&text("parts"))?,
         seconds: number("seconds", &text("seconds"))?,
         version: text("version"),
+        non_finite: number("non_finite", &text("non_finite"))?,
         notes: text("notes").lines().map(str::to_owned).collect(),
-    })
+    };
+    let checked = metadata.check_passes();
+    checked.map_err(|what| format!("{what}: render the image again"))?;
+    Ok(metadata)
 }
 
 /// The text of an attribute; empty if there is none.

@@ -56,7 +56,7 @@ pub(super) fn read(
     let chunks = reader.filter_chunks(true, |_, tile, block| {
         block.layer == selection.part && tile.level_index == Vec2(0, 0)
     });
-    let damaged = |e: exr::error::Error| format!("is damaged or cut off: {e}");
+    let damaged = |e: exr::error::Error| format!("is damaged or cut off: {e}: copy it again");
     (chunks.map_err(damaged)?)
         .decompress_sequential(false, |meta, block| {
             pixels += block.index.pixel_size.area();
@@ -71,7 +71,7 @@ pub(super) fn read(
         .map_err(damaged)?;
     if pixels != size.area() {
         return Err(format!(
-            "is damaged or cut off: it holds {pixels} of its {} pixels",
+            "is damaged or cut off: it holds {pixels} of its {} pixels: copy it again",
             size.area()
         ));
     }
@@ -83,7 +83,7 @@ fn check_chunks(header: &Header, length: u64) -> Result<(), String> {
     let needed = compute_chunk_count(header.compression, header.layer_size, header.blocks);
     if needed != header.chunk_count || needed as u64 > length / OFFSET {
         return Err(format!(
-            "is damaged or cut off: {} × {} pixels need {needed} chunks",
+            "is damaged or cut off: {} × {} pixels need {needed} chunks: copy it again",
             header.layer_size.width(),
             header.layer_size.height()
         ));
@@ -105,7 +105,7 @@ fn check_size(header: &Header, length: u64, planes: usize) -> Result<(), String>
     let bytes = width as u128 * height as u128 * a_pixel as u128;
     if bytes > u128::from(FREE.max(length.saturating_mul(COMPRESSION))) {
         return Err(format!(
-            "is damaged or cut off: it promises {width} × {height} pixels of {a_pixel} bytes, and has {length} bytes"
+            "is damaged or cut off: it promises {width} × {height} pixels of {a_pixel} bytes, and has {length} bytes: copy it again"
         ));
     }
     Ok(())

@@ -1,5 +1,6 @@
 //! Media.
 
+use crate::file::Part;
 use crate::media::{Grid, MediumDescription};
 use crate::{Scene, SceneFile};
 use glam::Vec3;
@@ -19,7 +20,8 @@ pub struct MediumSummary {
     pub voxels: Option<[usize; 3]>,
     /// Shapes that it fills.
     pub shapes: usize,
-    /// Whether it fills all space outside of shapes.
+    /// Whether it fills space outside of shapes, that of some at least: as the medium of the camera
+    /// or named by `outside`.
     pub fills_space: bool,
     /// Extinction σt, 1/scene unit.
     pub sigma_t: [f32; 3],
@@ -30,10 +32,10 @@ pub struct MediumSummary {
     /// 1/σt of the densest channel, scene units; `None` where light is never met.
     pub mean_free_path: Option<f32>,
     /// Length of the longest straight way through it: the diagonal of the largest box that it
-    /// fills. Scene units.
+    /// fills; infinite where it fills space without end. Scene units.
     pub extent: f32,
-    /// ∫σt along the longest way, of the densest channel; of a grid, the largest of 3·16² lines
-    /// along the axes and the four diagonals.
+    /// ∫σt along the longest way, of the densest channel, perhaps infinite; of a grid, the largest
+    /// of 3·16² lines along the axes and the four diagonals.
     pub optical_depth: f32,
     /// Whether it glows.
     pub emits: bool,
@@ -59,11 +61,18 @@ impl MediumSummary {
     }
 }
 
+/// The box of all space.
+const EVERYWHERE: Aabb = Aabb {
+    min: Vec3::NEG_INFINITY,
+    max: Vec3::INFINITY,
+};
+
 pub(super) fn summarise<S: Spectrum>(file: &SceneFile, scene: &Scene<S>) -> Vec<MediumSummary> {
     let ambient = scene.boundaries.medium(scene.boundaries.ambient());
     let named = file.media_names.iter().zip(&file.media).enumerate();
     let summaries = named.map(|(m, (name, medium))| {
-        let fills_space = ambient == Some(m);
+        let named_outside = |part: &Part| file.materials[part.material].outside == Some(Some(m));
+        let fills_space = ambient == Some(m) || file.parts.iter().any(named_outside);
         let boxes = file.parts.iter().filter(|part| {
             let material = &file.materials[part.material];
             material.bsdf.transmits() && material.inside == Some(m)
@@ -71,7 +80,7 @@ pub(super) fn summarise<S: Spectrum>(file: &SceneFile, scene: &Scene<S>) -> Vec<
         let mut boxes: Vec<_> = boxes.map(|part| part.bounds).collect();
         let shapes = boxes.len();
         if fills_space {
-            boxes.push(scene.bounds);
+            boxes.push(EVERYWHERE);
         }
         summary(name, medium, shapes, fills_space, &boxes)
     });

@@ -16,7 +16,8 @@ pub struct TransportSummary {
     /// What media ask for.
     pub needed: Needed,
     /// Of the light that crosses a medium the longest way, the largest share that is scattered. It
-    /// bounds what single scattering leaves out of the light that media scatter.
+    /// estimates the share of the light that media scatter which single scattering leaves out; no
+    /// bound, for what crosses media several times (between bright walls, say) is scattered more.
     pub scattered_share: f32,
     /// Whether light is focused by smooth surfaces, and whether path tracing finds it.
     pub caustics: Caustics,
@@ -37,7 +38,7 @@ pub enum Needed {
     Vacuum,
     /// Absorption (and emission) alone.
     Absorption,
-    /// Light that is scattered once; more changes little.
+    /// Light that is scattered once; more changes little, by estimate.
     Single,
     /// Light that is scattered again and again.
     Multiple,
@@ -156,7 +157,8 @@ fn of_media(
         return Some("no light meets a medium: media cost nothing here".into());
     };
     let why = format!(
-        "{:?} scatters up to {:.2} % of the light that crosses it (optical depth {:.3}, albedo {:.3})",
+        "{:?} scatters up to {:.2} % of the light that crosses it once (optical depth {:.3}, albedo \
+         {:.3})",
         medium.name,
         100.0 * share,
         medium.optical_depth,
@@ -171,9 +173,12 @@ fn of_media(
         (Needed::Single, Scattering::None) | (Needed::Multiple, Scattering::None) => {
             format!("{why}, which `scattering = \"none\"` leaves out")
         }
-        (Needed::Single, Scattering::Single) => format!("{why}: single scattering is enough"),
+        (Needed::Single, Scattering::Single) => {
+            format!("{why}: single scattering is about enough")
+        }
         (Needed::Single, Scattering::Multiple) => format!(
-            "{why}: `scattering = \"single\"` leaves out no more than that share of what media scatter"
+            "{why}: `scattering = \"single\"` leaves out about that share of what media scatter, and \
+             more where light crosses media again and again (bright walls, many media)"
         ),
         (Needed::Multiple, Scattering::Single) => {
             format!("{why}: multiple scattering counts, which `scattering = \"single\"` leaves out")

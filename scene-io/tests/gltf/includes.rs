@@ -1,6 +1,7 @@
 //! `[[include]]`: glTF files as parts of scene files.
 
 use crate::builder::{Builder, Folder, front, meet};
+use image::{Rgba, RgbaImage};
 use serde_json::json;
 use tyndall_core::{Media, Medium, MediumId, Rgb, Sensor, Shading, SurfaceKind};
 use tyndall_scene_io::{Error, Scene, SceneFile};
@@ -109,6 +110,42 @@ fn materials_are_replaced_by_name() {
     assert_eq!(scene.surface_kind(&hit), SurfaceKind::Delta);
     let why = load(&folder, &text("Wal")).err().unwrap().to_string();
     assert!(why.contains("did you mean \"Wall\"?"), "{why}");
+}
+
+/// Texture coordinates of glTF run down the image, those of scene files up.
+#[test]
+fn textures_of_scene_files_stand_upright_on_meshes_of_files() {
+    let folder = Folder::new();
+    let mut b = Builder::new();
+    b.camera();
+    let wall = b.push("materials", json!({ "name": "Wall" }));
+    let square = b.square(Some(wall));
+    b.node(json!({ "mesh": square }));
+    folder.write("wall.glb", b.glb());
+    let image = RgbaImage::from_fn(2, 2, |x, y| {
+        let red = if (x, y) == (0, 0) { 255 } else { 0 };
+        Rgba([red, 0, 0, 255])
+    });
+    image.save(folder.path().join("four.png")).unwrap();
+    let scene = scene(
+        &folder,
+        "[materials.lamp]
+        kind = 'diffuse'
+        reflectance = 0
+        emission = { file = 'four.png', filter = 'nearest' }
+        [[include]]
+        file = 'wall.glb'
+        materials = { Wall = 'lamp' }",
+    );
+    let red = |x, y| {
+        let (_, hit) = meet(&scene, [x, y, 5.0], [0.0, 0.0, -1.0]).unwrap();
+        scene.emitted(&hit, glam::Vec3::Z).0.x
+    };
+    // Red at the upper left alone.
+    assert_eq!(red(-0.25, 0.3), 1.0);
+    for (x, y) in [(0.25, 0.3), (-0.25, -0.3), (0.25, -0.3)] {
+        assert_eq!(red(x, y), 0.0, "{x} {y}");
+    }
 }
 
 #[test]
