@@ -135,9 +135,6 @@ pub trait LightEmission: HostTypes {
 }
 
 /// Light arriving from its sources: next event estimation.
-///
-/// A host may leave out a background that scattered walks find as well, such as one of the same
-/// radiance everywhere: [`LightPdf::pdf_direct_w`] is 0 for it. All other light is sampled.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` cannot sample the light that arrives at a point",
     note = "implement `tyndall_core::LightDirect`"

@@ -89,7 +89,7 @@ pub(crate) struct Lights<S> {
     lights: Vec<Light<S>>,
     /// Which light emits.
     emitting: Choice,
-    /// Which light is sampled directly: none that scattering finds as well.
+    /// Which light is sampled directly.
     direct: Choice,
     /// Index of the light that primitive 0 of a shape is.
     first_of_shape: Vec<Option<usize>>,
@@ -114,7 +114,7 @@ impl<S: Spectrum> Lights<S> {
         let environment = lights.iter().position(is_environment);
         Self {
             emitting: Choice::new(choice::weights(&lights, world, |_| true)),
-            direct: Choice::new(choice::weights(&lights, world, |light| !light.is_even())),
+            direct: Choice::new(choice::weights(&lights, world, |_| true)),
             environment,
             lights,
             first_of_shape,
@@ -279,12 +279,6 @@ impl<S: Spectrum> Lights<S> {
 }
 
 impl<S: Spectrum> Light<S> {
-    /// Whether it comes alike from everywhere: scattering then finds it as well as any sampling of
-    /// directions does, and finds it without a connection.
-    fn is_even(&self) -> bool {
-        matches!(self.source, Source::Environment(Environment::Constant))
-    }
-
     fn power(&self, world: World) -> S {
         let power = match &self.source {
             Source::Point(light) => light.power(),

@@ -3,8 +3,8 @@
 use glam::Vec3;
 use std::path::Path;
 use tyndall_core::{
-    Anchor, EmissionSample, Geometry, LightDirect, LightEmission, LightKind, LightPdf, Ray, Rgb,
-    Sampler, Shading, Spectrum,
+    Anchor, EmissionSample, Geometry, LightDirect, LightEmission, LightKind, Ray, Rgb, Sampler,
+    Spectrum,
 };
 use tyndall_scene_io::{Hit, Scene, SceneFile};
 use tyndall_testkit::rng;
@@ -191,24 +191,6 @@ fn a_lamp_is_found_beside_a_sun_over_a_wide_ground() {
     // Half of them, within six standard errors: a false alarm of 2e-9.
     let lamps = lamps_in_a_thousand(&scene(wide));
     assert!((405..=595).contains(&lamps), "{lamps}");
-}
-
-#[test]
-fn an_even_sky_is_left_to_scattering() {
-    let point = "
-        [[lights]]
-        kind = 'point'
-        position = [0, 2, 0]
-        power = 0.1
-        [environment]
-        radiance = 100";
-    let scene = scene(point);
-    assert_eq!(lamps_in_a_thousand(&scene), 1_000);
-    assert_eq!(
-        scene.pdf_direct_w(Vec3::ZERO, &Anchor::Direction(Vec3::Y)),
-        0.0
-    );
-    assert_eq!(scene.background(Vec3::X), Rgb::splat(100.0));
 }
 
 /// How many of a thousand samples of direct light find a point light.

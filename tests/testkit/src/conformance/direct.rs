@@ -170,16 +170,7 @@ where
             })
             .collect();
         let sampled = sampled.estimate();
-        let traced = |w| {
-            let target = self.trace(w);
-            let left_out = matches!(target, Anchor::Direction(_))
-                && self.host.pdf_direct_w(self.position, &target) == 0.0;
-            if left_out {
-                0.0
-            } else {
-                mean(self.radiance(&target, w)) / sampled.mean
-            }
-        };
+        let traced = |w| mean(self.radiance(&self.trace(w), w)) / sampled.mean;
         let ratio = integral_near(|w| traced(w) as f32, 1.0)?;
         let name = format!("from {}: fluence of direct light", self.position);
         let each = sidak(FALSE_ALARM, 2 * STATISTICAL);

@@ -109,6 +109,6 @@ fn check_none(observed: f64, expected: f64, n: f64, false_alarm: f64) -> Result<
 fn describe(message: String) -> String {
     format!(
         "{message} (cell i: cos θ from 2·⌊i/{COLUMNS}⌋/{ROWS} − 1, \
-         φ from 2π·(i mod {COLUMNS})/{COLUMNS}, in the frame of the cells; cell {CELLS} is `None`)"
+         φ from 2π·(i mod {COLUMNS})/{COLUMNS}; cell {CELLS} is `None`)"
     )
 }
