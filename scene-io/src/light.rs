@@ -87,10 +87,7 @@ impl World {
 #[derive(Clone, Debug)]
 pub(crate) struct Lights<S> {
     lights: Vec<Light<S>>,
-    /// Which light emits.
-    emitting: Choice,
-    /// Which light is sampled directly.
-    direct: Choice,
+    choice: Choice,
     /// Index of the light that primitive 0 of a shape is.
     first_of_shape: Vec<Option<usize>>,
     environment: Option<usize>,
@@ -113,8 +110,7 @@ impl<S: Spectrum> Lights<S> {
         let is_environment = |l: &Light<S>| matches!(l.source, Source::Environment(_));
         let environment = lights.iter().position(is_environment);
         Self {
-            emitting: Choice::new(choice::weights(&lights, world, |_| true)),
-            direct: Choice::new(choice::weights(&lights, world, |_| true)),
+            choice: Choice::new(choice::weights(&lights, world)),
             environment,
             lights,
             first_of_shape,
@@ -148,7 +144,7 @@ impl<S: Spectrum> Lights<S> {
         radiance: impl Fn(&ShapeHit) -> S,
         locate: impl Fn(Vec3) -> MediumId,
     ) -> Option<EmissionSample<S, Hit>> {
-        let (i, pmf) = self.emitting.sample(u0)?;
+        let (i, pmf) = self.choice.sample(u0)?;
         let (world, ambient) = (self.world, self.ambient);
         let light = &self.lights[i];
         let sample = match &light.source {
@@ -180,7 +176,7 @@ impl<S: Spectrum> Lights<S> {
         surfaces: &Surfaces,
         radiance: impl Fn(&ShapeHit) -> S,
     ) -> Option<DirectSample<S, Hit>> {
-        let (i, pmf) = self.direct.sample(u0)?;
+        let (i, pmf) = self.choice.sample(u0)?;
         let light = &self.lights[i];
         let sample = match &light.source {
             Source::Point(light) => light.sample_direct(from),
@@ -190,14 +186,13 @@ impl<S: Spectrum> Lights<S> {
             Source::Area(light) => light.sample_direct(from, [u1, u2], surfaces)?,
             Source::Environment(light) => light.sample_direct([u1, u2, u3], self.world)?,
         };
-        let emitting = self.emitting.pmf(i);
         let weight = self.colour(i, &sample.target, radiance) * (sample.weight / pmf);
         (weight.is_finite() && !weight.is_black()).then_some(DirectSample {
             target: sample.target,
             wi: sample.wi,
             weight,
             pdf_w: sample.pdf_w * pmf,
-            emission: chosen(sample.emission, emitting),
+            emission: chosen(sample.emission, pmf),
             cos_theta: sample.cos_theta,
             kind: sample.kind,
         })
@@ -214,7 +209,7 @@ impl<S: Spectrum> Lights<S> {
 
     /// See [`tyndall_core::LightDirect::pivot`].
     pub(crate) fn pivot(&self, ray: &Ray, u: [f32; 4], surfaces: &Surfaces) -> Option<Vec3> {
-        let (i, _) = self.direct.sample(u[0])?;
+        let (i, _) = self.choice.sample(u[0])?;
         match &self.lights[i].source {
             Source::Point(light) => Some(light.position),
             Source::Spot(light) => Some(light.position),
@@ -248,10 +243,10 @@ impl<S: Spectrum> Lights<S> {
             Anchor::Point(_) => 0.0,
             Anchor::Direction(w) => {
                 let environment = self.environment();
-                environment.map_or(0.0, |(light, i)| self.direct.pmf(i) * light.pdf_w(*w))
+                environment.map_or(0.0, |(light, i)| self.choice.pmf(i) * light.pdf_w(*w))
             }
             Anchor::Surface(hit) => self.area_at(hit).map_or(0.0, |(_, i)| {
-                self.direct.pmf(i) * surfaces.pdf_from_w(&hit.shape, from)
+                self.choice.pmf(i) * surfaces.pdf_from_w(&hit.shape, from)
             }),
         }
     }
@@ -273,7 +268,7 @@ impl<S: Spectrum> Lights<S> {
             }),
         };
         pdf.map_or_else(EmissionPdf::default, |(pdf, i)| {
-            chosen(pdf, self.emitting.pmf(i))
+            chosen(pdf, self.choice.pmf(i))
         })
     }
 }

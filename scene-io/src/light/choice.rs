@@ -39,14 +39,10 @@ impl Choice {
     }
 }
 
-/// How often to choose each of the lights that are `eligible`: in proportion to its power among
-/// those of its kind, at infinity or in the scene, which share evenly. The power of light from
-/// infinity grows with the size of the world: by power alone, a large ground would hide every lamp.
-pub(super) fn weights<S: Spectrum>(
-    lights: &[Light<S>],
-    world: World,
-    eligible: impl Fn(&Light<S>) -> bool,
-) -> impl Iterator<Item = f64> {
+/// How often to choose each light: in proportion to its power among those of its kind, at infinity
+/// or in the scene, which share evenly. The power of light from infinity grows with the size of the
+/// world: by power alone, a large ground would hide every lamp.
+pub(super) fn weights<S: Spectrum>(lights: &[Light<S>], world: World) -> impl Iterator<Item = f64> {
     let kind = |light: &Light<S>| {
         usize::from(matches!(
             light.source,
@@ -56,11 +52,7 @@ pub(super) fn weights<S: Spectrum>(
     let mut totals = [0.0; 2];
     let mut shares = Vec::with_capacity(lights.len());
     for light in lights.iter() {
-        let power = if eligible(light) {
-            f64::from(light.power(world).mean())
-        } else {
-            0.0
-        };
+        let power = f64::from(light.power(world).mean());
         totals[kind(light)] += power;
         shares.push((power, kind(light)));
     }
