@@ -1,39 +1,18 @@
 //! Streams, film, budgets. False alarms: 1e-3 a statistical test, fixed seeds.
 
-use glam::Vec3;
+#[path = "support/blank.rs"]
+mod blank;
+
+use blank::Blank;
 use std::collections::HashSet;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use tyndall_core::{
-    Domain, HostTypes, Integrator, MediumId, PassContext, PassError, Ray, Rgb, Sampler, Sensor,
-    SensorRay, Spectrum, Splat, Streams, Vacuum,
+    Domain, Integrator, PassContext, PassError, Rgb, Sampler, Sensor, SensorRay, Spectrum, Splat,
+    Streams,
 };
 use tyndall_driver::{Budget, Film, PassStreams, Render, RenderError};
 use tyndall_testkit::stats::{kolmogorov_smirnov, sidak};
-
-/// A sensor that looks nowhere.
-struct Blank([u32; 2]);
-
-impl HostTypes for Blank {
-    type Spectrum = Rgb;
-    type Hit = ();
-    type Medium = Vacuum<Rgb>;
-}
-
-impl Sensor for Blank {
-    fn resolution(&self) -> [u32; 2] {
-        self.0
-    }
-
-    fn sensor_ray(&self, _: [u32; 2], _: [f32; 4]) -> SensorRay<Rgb> {
-        SensorRay {
-            ray: Ray::new(Vec3::ZERO, Vec3::Z),
-            weight: Rgb::new(1.0, 2.0, 0.5),
-            medium: MediumId::VACUUM,
-            pdf_w: 0.0,
-        }
-    }
-}
 
 /// Random numbers, a splat in every corner, and a defect now and then.
 #[derive(Default)]

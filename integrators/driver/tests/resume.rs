@@ -1,37 +1,16 @@
 //! Renders in parts: continued from snapshots, begun at a later pass, merged.
 
-use glam::Vec3;
+#[path = "support/blank.rs"]
+mod blank;
+
+use blank::Blank;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use tyndall_core::{
-    Domain, HostTypes, Integrator, MediumId, PassContext, PassError, Ray, Rgb, Sampler, Sensor,
-    SensorRay, Spectrum, StateError, Streams, Vacuum,
+    Domain, Integrator, PassContext, PassError, Rgb, Sampler, SensorRay, Spectrum, StateError,
+    Streams,
 };
 use tyndall_driver::{Budget, Film, Render, RenderError, Snapshot};
-
-/// A sensor that looks nowhere.
-struct Blank([u32; 2]);
-
-impl HostTypes for Blank {
-    type Spectrum = Rgb;
-    type Hit = ();
-    type Medium = Vacuum<Rgb>;
-}
-
-impl Sensor for Blank {
-    fn resolution(&self) -> [u32; 2] {
-        self.0
-    }
-
-    fn sensor_ray(&self, _: [u32; 2], _: [f32; 4]) -> SensorRay<Rgb> {
-        SensorRay {
-            ray: Ray::new(Vec3::ZERO, Vec3::Z),
-            weight: Rgb::new(1.0, 1.0, 1.0),
-            medium: MediumId::VACUUM,
-            pdf_w: 0.0,
-        }
-    }
-}
 
 /// A method whose passes feed the next, as a mixture that learns does, and whose pixels remember,
 /// as progressive radii do.
