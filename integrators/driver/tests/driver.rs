@@ -8,8 +8,7 @@ use std::collections::HashSet;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use tyndall_core::{
-    Domain, Integrator, PassContext, PassError, Rgb, Sampler, Sensor, SensorRay, Spectrum, Splat,
-    Streams,
+    Domain, Integrator, PassContext, PassError, Rgb, Sampler, SensorRay, Spectrum, Splat, Streams,
 };
 use tyndall_driver::{Budget, Film, PassStreams, Render, RenderError};
 use tyndall_testkit::stats::{kolmogorov_smirnov, sidak};
