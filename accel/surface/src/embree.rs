@@ -29,6 +29,8 @@ impl Embree {
     #[inline]
     pub(crate) fn intersect(&self, shapes: &[Shape], ray: &Ray) -> Option<(f32, Met)> {
         let mut query = RayHit::from_ray(segment(ray));
+        // What is no hit is passed by one step of `f32`, then by two, by four: a few dozen at most.
+        let mut steps = 1;
         loop {
             self.0
                 .intersect(&mut IntersectContext::incoherent(), &mut query);
@@ -38,11 +40,12 @@ impl Embree {
             if let Some(hit) = read(shapes, ray, &query) {
                 return Some(hit);
             }
-            let beyond = query.ray.tfar.next_up();
+            let beyond = query.ray.tfar.max(0.0).to_bits() + steps;
             query = RayHit::from_ray(embree3::Ray {
-                tnear: beyond,
+                tnear: f32::from_bits(beyond).min(f32::INFINITY),
                 ..segment(ray)
             });
+            steps *= 2;
         }
     }
 
@@ -77,7 +80,8 @@ fn read(shapes: &[Shape], ray: &Ray, query: &RayHit) -> Option<(f32, Met)> {
     let (t, uv) = shape.meet(met.primID, &Line::from(ray), t.into());
     let (t, hit) = ((t as f32).clamp(0.0, ray.t_max), hit(uv));
     let apart = ray.at(t).distance(shape.position(hit.primitive, hit.uv));
-    (apart <= 1e-3 * (t + ray.origin.length())).then_some((t, hit))
+    let rounding = 1e-6 * shape.extent(hit.primitive);
+    (apart <= 1e-3 * (t + ray.origin.length()) + rounding).then_some((t, hit))
 }
 
 /// Whether Embree's distance is good to about 2e-6. Its error is a few 2⁻²⁴ of the distance and of

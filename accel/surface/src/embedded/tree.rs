@@ -193,9 +193,6 @@ impl Prepared {
     }
 }
 
-/// Leaves of trees that are left as they are first built.
-const FEW: usize = 24;
-
 /// What `obvhs` does for its own triangles, without the checks that it adds to debug builds.
 fn build_tree(boxes: &[impl Boundable]) -> CwBvh {
     let how = BvhBuildParams::medium_build();
@@ -206,10 +203,6 @@ fn build_tree(boxes: &[impl Boundable]) -> CwBvh {
         how.sort_precision,
         how.search_depth_threshold,
     );
-    // A handful of leaves makes the same few nodes of eight in any order, and the optimiser would
-    // call the thread pool sixteen times for them.
-    if boxes.len() > FEW {
-        ReinsertionOptimizer::default().run(&mut pairs, how.reinsertion_batch_ratio, None);
-    }
+    ReinsertionOptimizer::default().run(&mut pairs, how.reinsertion_batch_ratio, None);
     bvh2_to_cwbvh(&pairs, how.max_prims_per_leaf.clamp(1, 3), true, false)
 }

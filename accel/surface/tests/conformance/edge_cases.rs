@@ -195,3 +195,48 @@ fn the_tree_holds_shapes_of_all_sizes() {
         }
     }
 }
+
+/// However near a ray starts to a surface, and on it too, it ends, and meets what is ahead of it.
+#[test]
+fn rays_may_start_close_to_what_they_meet() {
+    let flat = [
+        quad(Vec3::new(-0.5, -0.5, 0.0), Vec3::X, Vec3::Y),
+        triangle([
+            Vec3::new(-0.5, -0.72, 0.0),
+            Vec3::new(0.5, -0.5, 0.0),
+            Vec3::new(0.5, 0.9, 0.0),
+        ]),
+        Shape::Disk {
+            center: Vec3::ZERO,
+            normal: Vec3::Z,
+            radius: 0.5,
+        },
+        Shape::Sphere {
+            center: Vec3::new(0.0, 0.0, 0.5),
+            radius: 0.5,
+        },
+    ];
+    let mut random = Random::new(9);
+    for shape in flat {
+        for (backend, surfaces) in built(std::slice::from_ref(&shape)) {
+            for _ in 0..100 {
+                let mut direction = random.direction();
+                direction.z = direction.z.abs();
+                if direction.z < 0.1 {
+                    continue;
+                }
+                for d in (0..46).map(|i| 10_f32.powi(-i)).chain([0.0]) {
+                    let origin = -0.1 * direction * d;
+                    let met = surfaces.intersect(&Ray::new(origin, direction));
+                    if d >= 1e-4 {
+                        let (t, _) = met.expect("the shape is ahead");
+                        let off = (t - 0.1 * d).abs();
+                        assert!(off < 1e-6, "{backend:?} {shape:?} from {origin}: {t}");
+                    } else if let Some((t, _)) = met {
+                        assert!(t >= 0.0, "{backend:?} {shape:?} from {origin}: {t}");
+                    }
+                }
+            }
+        }
+    }
+}
