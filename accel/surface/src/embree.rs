@@ -1,7 +1,7 @@
 //! The backend over Embree 3.
 
 use crate::error::SurfaceError;
-use crate::instance::Shared;
+use crate::instance::{self, Shared};
 use crate::meet::{Line, into_triangle};
 use crate::shape::{Mesh, Shape, cross, quad_corners};
 use crate::surfaces::Met;
@@ -9,7 +9,7 @@ use embree3::{
     BufferUsage, Device, Error, Format, Geometry, GeometryBuilder, GeometryKind, INVALID_ID,
     IntersectContext, RayHit, Scene, SceneFlags,
 };
-use glam::{DAffine3, DVec2, Vec3};
+use glam::{DAffine3, DVec2, DVec3, Vec3};
 use tyndall_core::Ray;
 
 /// A committed scene; the name of a geometry is the index of its shape. Instances keep the scenes of
@@ -80,8 +80,22 @@ fn read(shapes: &[Shape], ray: &Ray, query: &RayHit) -> Option<(f32, Met)> {
     let (t, uv) = shape.meet(met.primID, &Line::from(ray), t.into());
     let (t, hit) = ((t as f32).clamp(0.0, ray.t_max), hit(uv));
     let apart = ray.at(t).distance(shape.position(hit.primitive, hit.uv));
-    let rounding = 1e-6 * shape.extent(hit.primitive);
+    let rounding = 1e-6 * extent(shape, hit.primitive);
     (apart <= 1e-3 * (t + ray.origin.length()) + rounding).then_some((t, hit))
+}
+
+/// A length that no two points of a primitive are much farther apart than.
+fn extent(shape: &Shape, primitive: u32) -> f32 {
+    let sides = |[p0, p1, p2]: [DVec3; 3]| ((p1 - p0).length() + (p2 - p0).length()) as f32;
+    match *shape {
+        Shape::Mesh(ref mesh) => sides(mesh.corners(primitive).map(|p| p.as_dvec3())),
+        Shape::Instance {
+            ref mesh,
+            ref to_world,
+        } => sides(instance::corners(mesh, to_world, primitive)),
+        Shape::Quad { edge_u, edge_v, .. } => edge_u.length() + edge_v.length(),
+        Shape::Sphere { radius, .. } | Shape::Disk { radius, .. } => 2.0 * radius,
+    }
 }
 
 /// Whether Embree's distance is good to about 2e-6. Its error is a few 2⁻²⁴ of the distance and of

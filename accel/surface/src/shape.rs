@@ -110,20 +110,6 @@ impl Shape {
         position.as_vec3()
     }
 
-    /// A length that no two points of the primitive are much farther apart than.
-    pub(crate) fn extent(&self, primitive: u32) -> f32 {
-        let sides = |[p0, p1, p2]: [DVec3; 3]| ((p1 - p0).length() + (p2 - p0).length()) as f32;
-        match *self {
-            Self::Mesh(ref mesh) => sides(mesh.corners(primitive).map(|p| p.as_dvec3())),
-            Self::Instance {
-                ref mesh,
-                ref to_world,
-            } => sides(instance::corners(mesh, to_world, primitive)),
-            Self::Quad { edge_u, edge_v, .. } => edge_u.length() + edge_v.length(),
-            Self::Sphere { radius, .. } | Self::Disk { radius, .. } => 2.0 * radius,
-        }
-    }
-
     /// The unit normal of the true geometry; zero for a triangle without area.
     pub(crate) fn normal(&self, primitive: u32, uv: Vec2) -> Vec3 {
         let normal = match *self {
