@@ -79,28 +79,42 @@ pub enum MediumError {
         /// Values given.
         values: usize,
     },
+    /// The transformation of a grid has no inverse.
+    #[error("the transformation of a grid has no inverse or is not finite; scale no axis by 0")]
+    Transform,
+    /// A sparse grid that no dense one equals.
+    #[error(
+        "a grid whose voxels are turned, sheared or mirrored has no dense form; keep it sparse"
+    )]
+    NotAligned,
+    /// A block of a sparse grid is out of place.
+    #[error(
+        "a block of {edge} voxels an edge at {origin:?} is taken, or not at a multiple of its edge"
+    )]
+    Block {
+        /// Its first voxel.
+        origin: [i32; 3],
+        /// Voxels along an edge.
+        edge: i32,
+    },
     /// A voxel is negative or not finite.
     #[error(
         "voxel {voxel:?} of a grid is {value} in channel {channel}; make it finite and at least 0"
     )]
     Voxel {
         /// The first bad voxel, \[x, y, z\].
-        voxel: [usize; 3],
+        voxel: [i32; 3],
         /// The first bad channel in it.
         channel: usize,
         /// Its value.
         value: f32,
     },
-    /// A voxel of an albedo grid is above 1.
-    #[error(
-        "voxel {voxel:?} of the albedo grid is {value} in channel {channel}; make it at most 1"
-    )]
+    /// An albedo is above 1 somewhere.
+    #[error("the albedo reaches {value} in channel {channel}; make it at most 1 everywhere")]
     Albedo {
-        /// The first bad voxel, \[x, y, z\].
-        voxel: [usize; 3],
-        /// The first bad channel in it.
+        /// The first bad channel.
         channel: usize,
-        /// Its value.
+        /// Its largest value.
         value: f32,
     },
 }

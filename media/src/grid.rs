@@ -1,8 +1,9 @@
 //! Dense grids of values.
 
 use crate::MediumError;
+use crate::field::{Cells, Field, Hint, Range, Region};
 use crate::lattice::{Lattice, clip, counts};
-use glam::{DVec3, Vec3};
+use glam::{DAffine3, DVec3, IVec3, Vec3};
 use std::ops::ControlFlow;
 use tyndall_core::{Aabb, Ray, Spectrum};
 
@@ -109,6 +110,11 @@ impl<T: Spectrum> DenseGrid<T> {
         self.bounds
     }
 
+    /// How it is read between the centres of its voxels.
+    pub fn filter(&self) -> Filter {
+        self.filter
+    }
+
     /// The value at `p`, by the filter; points outside read the nearest face.
     #[inline]
     pub fn lookup(&self, p: Vec3) -> T {
@@ -131,12 +137,15 @@ impl<T: Spectrum> DenseGrid<T> {
 
     /// The voxels that lookups inside `region` may read: those in it, and up to one more on every
     /// side.
-    pub(crate) fn footprint(&self, region: Aabb) -> impl Iterator<Item = T> {
-        let first = (region.min - self.bounds.min) * self.scale - 0.5;
-        let last = (region.max - self.bounds.min) * self.scale - 0.5;
+    fn footprint(&self, region: &Region) -> impl Iterator<Item = T> {
+        let cell = self.bounds.size().as_dvec3() / counts(self.resolution).as_dvec3();
+        let to_cells = DAffine3::from_scale(cell.recip())
+            * DAffine3::from_translation(-self.bounds.min.as_dvec3());
+        let [first, last] = region.bounds_in(&to_cells);
         let [x, y, z] = std::array::from_fn(|i| {
-            let clamp = |g: f32| (g.max(0.0) as usize).min(self.resolution[i] - 1);
-            clamp(first[i].floor())..clamp(last[i].ceil()) + 1
+            // A hundredth of a voxel for the rounding of lookups.
+            let clamp = |g: f64| (g.max(0.0) as usize).min(self.resolution[i] - 1);
+            clamp((first[i] - 0.51).floor())..clamp((last[i] - 0.49).ceil()) + 1
         });
         let [nx, ny, _] = self.resolution;
         let rows = z.flat_map(move |z| y.clone().map(move |y| (z * ny + y) * nx));
@@ -144,18 +153,18 @@ impl<T: Spectrum> DenseGrid<T> {
     }
 
     /// The first voxel, and the first channel in it, whose value is `bad`.
-    pub(crate) fn find(&self, bad: impl Fn(f32) -> bool) -> Option<([usize; 3], usize, f32)> {
+    pub(crate) fn find(&self, bad: impl Fn(f32) -> bool) -> Option<([i32; 3], usize, f32)> {
         let [nx, ny, _] = self.resolution;
         self.values.iter().enumerate().find_map(|(i, value)| {
             let channel = (0..T::CHANNELS).find(|&c| bad(value.channel(c)))?;
-            let voxel = [i % nx, i / nx % ny, i / nx / ny];
+            let voxel = [i % nx, i / nx % ny, i / nx / ny].map(|i| i as i32);
             Some((voxel, channel, value.channel(channel)))
         })
     }
 
     /// The voxel of this index, or the nearest there is.
     #[inline]
-    fn voxel(&self, index: [i32; 3]) -> T {
+    pub(crate) fn voxel(&self, index: [i32; 3]) -> T {
         let [x, y, z] = std::array::from_fn(|i| clamp_index(index[i], self.resolution[i]));
         self.values[(z * self.resolution[1] + y) * self.resolution[0] + x]
     }
@@ -258,8 +267,35 @@ impl DenseGrid {
     }
 }
 
+/// Voxels along an edge of the cells whose bounds are known.
+const CELL: usize = 8;
+
+impl<T: Spectrum> Field<T> for DenseGrid<T> {
+    fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
+    #[inline]
+    fn lookup(&self, p: Vec3, _: &mut Hint) -> T {
+        self.lookup(p)
+    }
+
+    fn range(&self, region: &Region) -> Range<T> {
+        self.footprint(region).collect()
+    }
+
+    fn cells(&self) -> Cells {
+        let voxel = self.bounds.size().as_dvec3() / counts(self.resolution).as_dvec3();
+        let place = DAffine3::from_translation(self.bounds.min.as_dvec3());
+        Cells {
+            to_world: place * DAffine3::from_scale(CELL as f64 * voxel),
+            count: IVec3::from(self.resolution.map(|n| n.div_ceil(CELL) as i32)),
+        }
+    }
+}
+
 /// The largest of `values`, which are at least 0, in each channel.
-pub(crate) fn largest<T: Spectrum>(values: impl Iterator<Item = T>) -> T {
+fn largest<T: Spectrum>(values: impl Iterator<Item = T>) -> T {
     values.fold(T::default(), |a, b| a.zip(b, f32::max))
 }
 

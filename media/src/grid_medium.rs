@@ -1,11 +1,13 @@
 //! A medium whose density is a grid.
 
 use crate::channels::{channel_pmf, check_coefficients};
-use crate::grid::largest;
-use crate::majorant::{Cell, MajorantGrid};
+use crate::field::{Field, Hint, Region};
+use crate::lattice::clip;
+use crate::majorant::{Cell, Majorants};
 use crate::{DenseGrid, MediumError, Phase};
 use glam::Vec3;
 use std::ops::ControlFlow;
+use std::sync::Arc;
 use tyndall_core::{Aabb, Coefficients, FreeFlight, Majorant, Medium, Ray, Sampler, Spectrum};
 
 /// How [`GridMedium`] finds the transmittance of a ray.
@@ -19,29 +21,32 @@ pub enum Tracking {
     Regular,
 }
 
-/// A medium that fills a box: a density grid times constant coefficients, with an optional grid of
-/// albedo and one of emission. Outside the box there is nothing.
+/// A medium that fills a box: a density times constant coefficients, with an optional albedo and
+/// emission that vary too. Outside the box of the density there is nothing.
 ///
 /// σt(x) = density(x)·σt; σs(x) = σt(x)·albedo(x); emission(x) = density(x)·emission, or that of
-/// its grid.
+/// its field.
 ///
 /// # Cost
-/// A free flight takes as many lookups as the majorant's optical depth up to the collision, so a
-/// thin region in the same majorant cell (at least 8 voxels wide) as a dense one is slow, though right. So is
-/// a channel that is clear where another is dense: it goes on through every collision of the other
-/// (1e6 of them where the other has σt = 1e6 over a length of 1).
+/// Bounds of the density are known in a tree of cells ([`Field::cells`]). What is empty costs
+/// nothing but a step past it. A free flight takes as many lookups as the optical depth of the
+/// largest density of each cell up to the collision; a transmittance as many as that of the
+/// difference between the largest and the smallest. A channel that is clear where another is dense
+/// goes on through every collision of the other (1e6 of them where the other has σt = 1e6 over a
+/// length of 1).
 #[derive(Clone, Debug)]
-pub struct GridMedium<S> {
-    density: DenseGrid,
+pub struct GridMedium<S, D = DenseGrid> {
+    density: D,
     per_density: Coefficients<S>,
-    albedo: Option<DenseGrid<S>>,
-    emission: Option<DenseGrid<S>>,
+    albedo: Option<Arc<dyn Field<S>>>,
+    emission: Option<Arc<dyn Field<S>>>,
     phase: Phase,
-    tracking: Tracking,
-    majorants: MajorantGrid,
+    /// ∫ density dt, where transmittance is to be found by it.
+    regular: Option<fn(&D, &Ray) -> f64>,
+    majorants: Majorants,
 }
 
-impl<S: Spectrum> GridMedium<S> {
+impl<S: Spectrum, D: Field<f32>> GridMedium<S, D> {
     /// A medium of coefficients `per_density` (1/scene unit where the density is 1).
     ///
     /// ```
@@ -63,17 +68,21 @@ impl<S: Spectrum> GridMedium<S> {
     /// [`MediumError::Coefficient`] if a coefficient is negative or not finite, alone or times the
     /// largest density; [`MediumError::TooDense`].
     pub fn new(
-        density: DenseGrid,
+        density: D,
         per_density: Coefficients<S>,
         phase: Phase,
     ) -> Result<Self, MediumError> {
         check_coefficients(&per_density)?;
-        let densest = scaled(per_density, density.max());
-        check_coefficients(&densest)?;
-        let sigma_t = densest.sigma_t().max_channel();
-        let diagonal = density.bounds().size().length();
-        if sigma_t * diagonal > MediumError::DENSEST {
-            return Err(MediumError::TooDense { sigma_t, diagonal });
+        let bounds = density.bounds();
+        if !bounds.is_empty() {
+            let most = density.range(&Region::of(bounds)).max;
+            let densest = scaled(per_density, most);
+            check_coefficients(&densest)?;
+            let sigma_t = densest.sigma_t().max_channel();
+            let diagonal = bounds.size().length();
+            if sigma_t * diagonal > MediumError::DENSEST {
+                return Err(MediumError::TooDense { sigma_t, diagonal });
+            }
         }
         let majorants = majorants(&density, per_density, None);
         Ok(Self {
@@ -82,43 +91,40 @@ impl<S: Spectrum> GridMedium<S> {
             albedo: None,
             emission: None,
             phase,
-            tracking: Tracking::default(),
+            regular: None,
             majorants,
         })
     }
 
-    /// Takes the albedo σs/σt from a grid, which keeps σt and splits it anew. The grid may have a
-    /// box and a resolution of its own.
+    /// Takes the albedo σs/σt from a field, which keeps σt and splits it anew; it may have a box of
+    /// its own.
     ///
     /// # Errors
-    /// [`MediumError::Albedo`] if a voxel is above 1.
-    pub fn with_albedo(self, albedo: DenseGrid<S>) -> Result<Self, MediumError> {
-        if let Some((voxel, channel, value)) = albedo.find(|a| a > 1.0) {
-            return Err(MediumError::Albedo {
-                voxel,
-                channel,
-                value,
-            });
+    /// [`MediumError::Albedo`] if it may exceed 1.
+    pub fn with_albedo(self, albedo: impl Field<S> + 'static) -> Result<Self, MediumError> {
+        let bounds = albedo.bounds();
+        if !bounds.is_empty() {
+            let max = albedo.range(&Region::of(bounds)).max;
+            for channel in 0..S::CHANNELS {
+                let value = max.channel(channel);
+                if value.is_nan() || value > 1.0 {
+                    return Err(MediumError::Albedo { channel, value });
+                }
+            }
         }
-        let albedo = Some(albedo);
+        let albedo = Some(Arc::new(albedo) as Arc<dyn Field<S>>);
         Ok(Self { albedo, ..self })
     }
 
-    /// Takes the emission, W·sr⁻¹·m⁻² per scene unit, from a grid, which may have a box and a
-    /// resolution of its own; outside the density's box nothing glows.
+    /// Takes the emission, W·sr⁻¹·m⁻² per scene unit, from a field, which may have a box of its
+    /// own; outside the density's box nothing glows.
     #[must_use]
-    pub fn with_emission(self, emission: DenseGrid<S>) -> Self {
+    pub fn with_emission(self, emission: impl Field<S> + 'static) -> Self {
         Self {
             majorants: majorants(&self.density, self.per_density, Some(&emission)),
-            emission: Some(emission),
+            emission: Some(Arc::new(emission)),
             ..self
         }
-    }
-
-    /// Chooses how transmittance is found.
-    #[must_use]
-    pub fn with_tracking(self, tracking: Tracking) -> Self {
-        Self { tracking, ..self }
     }
 
     /// The box outside which there is nothing.
@@ -126,75 +132,115 @@ impl<S: Spectrum> GridMedium<S> {
         self.density.bounds()
     }
 
-    /// ∫σt dt along the ray, exact but for rounding: see [`DenseGrid::line_integral`].
-    pub fn optical_depth(&self, ray: &Ray) -> S {
-        let integral = self.density.line_integral(ray);
-        let sigma_t = self.per_density.sigma_t();
-        sigma_t.map(|sigma_t| (f64::from(sigma_t) * integral) as f32)
+    /// The density.
+    pub fn density(&self) -> &D {
+        &self.density
     }
 
     /// What the mean densities of the majorant cells on the way let through.
     fn mean_transmittance(&self, ray: &Ray) -> S {
         let mut column = 0.0;
-        let _ = self.majorants.walk(ray, |enter, leave, cell| {
-            column += (leave - enter) * f64::from(cell.density);
+        let _ = self.walk(ray, |enter, leave, cell| {
+            column += (leave - enter) * f64::from(cell.density.mean);
             ControlFlow::Continue(())
         });
         let sigma_t = self.per_density.sigma_t();
         sigma_t.map(|sigma_t| (-sigma_t * column as f32).exp())
     }
 
-    /// σt at a point inside the box.
+    /// Visits the stretches of the ray that are not empty, in order.
     #[inline]
-    pub(crate) fn extinction(&self, p: Vec3) -> S {
-        self.per_density.sigma_t() * self.density.lookup(p)
+    pub(crate) fn walk(
+        &self,
+        ray: &Ray,
+        visit: impl FnMut(f64, f64, &Cell) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        match clip(ray, self.bounds()) {
+            Some(span) => self.majorants.walk(ray, span, visit),
+            None => ControlFlow::Continue(()),
+        }
+    }
+
+    /// σt where the density is 1.
+    #[inline]
+    pub(crate) fn sigma_t(&self) -> S {
+        self.per_density.sigma_t()
+    }
+
+    /// The density at a point inside the box.
+    #[inline]
+    pub(crate) fn density_at(&self, p: Vec3, hint: &mut Hint) -> f32 {
+        self.density.lookup(p, hint)
     }
 
     /// Emission at a point inside the box.
     #[inline]
-    pub(crate) fn emission(&self, p: Vec3) -> S {
+    pub(crate) fn emission(&self, p: Vec3, density: f32) -> S {
         match &self.emission {
-            Some(grid) => grid.lookup(p),
-            None => self.per_density.emission * self.density.lookup(p),
+            Some(field) => field.lookup(p, &mut Hint::default()),
+            None => self.per_density.emission * density,
         }
     }
 
-    #[inline]
-    pub(crate) fn majorant_grid(&self) -> &MajorantGrid {
-        &self.majorants
+    /// The coefficients where the density is this.
+    pub(crate) fn coefficients_at(&self, p: Vec3, density: f32) -> Coefficients<S> {
+        let mut here = scaled(self.per_density, density);
+        if let Some(field) = &self.albedo {
+            let albedo = field.lookup(p, &mut Hint::default()).map(|a| a.min(1.0));
+            let sigma_t = here.sigma_t();
+            here.sigma_s = sigma_t * albedo;
+            here.sigma_a = sigma_t - here.sigma_s;
+        }
+        if self.emission.is_some() {
+            here.emission = self.emission(p, density);
+        }
+        here
     }
 }
 
-/// Bounds of σt, all channels. Where the medium emits they are at least one over the diagonal of
-/// the majorant cell, because emission is counted at tentative collisions: about one a cell keeps
-/// the variance of a thin flame low.
-fn majorants<S: Spectrum>(
-    density: &DenseGrid,
-    per_density: Coefficients<S>,
-    emission: Option<&DenseGrid<S>>,
-) -> MajorantGrid {
-    let sigma_t = per_density.sigma_t().max_channel();
-    MajorantGrid::new(density.bounds(), density.resolution(), |region| {
-        let densest = largest(density.footprint(region));
-        let emitted = match emission {
-            Some(grid) => largest(grid.footprint(region)),
-            None => per_density.emission * densest,
+impl<S: Spectrum> GridMedium<S> {
+    /// Chooses how transmittance is found.
+    #[must_use]
+    pub fn with_tracking(self, tracking: Tracking) -> Self {
+        let regular: Option<fn(&DenseGrid, &Ray) -> f64> = match tracking {
+            Tracking::Ratio => None,
+            Tracking::Regular => Some(DenseGrid::line_integral),
         };
-        let visible = if emitted.is_black() {
+        Self { regular, ..self }
+    }
+
+    /// ∫σt dt along the ray, exact but for rounding: see [`DenseGrid::line_integral`].
+    pub fn optical_depth(&self, ray: &Ray) -> S {
+        times(self.sigma_t(), self.density.line_integral(ray))
+    }
+}
+
+/// An optical depth.
+fn times<S: Spectrum>(sigma_t: S, column: f64) -> S {
+    sigma_t.map(|sigma_t| (f64::from(sigma_t) * column) as f32)
+}
+
+/// Bounds of the density. Where the medium emits, a collision is asked for about once a cell,
+/// because emission is counted at tentative collisions: this keeps the variance of a thin flame low.
+fn majorants<S: Spectrum>(
+    density: &impl Field<f32>,
+    per_density: Coefficients<S>,
+    emission: Option<&dyn Field<S>>,
+) -> Majorants {
+    let sigma_t = per_density.sigma_t().max_channel();
+    Majorants::new(density.cells(), sigma_t, |region| {
+        let density = density.range(region);
+        let emitted = match emission {
+            Some(field) => field.range(region).max,
+            None => per_density.emission * density.max,
+        };
+        let rate = if emitted.is_black() {
             0.0
         } else {
-            region.size().length().recip()
+            region.diagonal().recip() as f32
         };
-        Cell {
-            sigma_bar: (sigma_t * densest).max(visible),
-            density: mean(density.footprint(region)),
-        }
+        (density.max > 0.0 || rate > 0.0).then_some(Cell { density, rate })
     })
-}
-
-fn mean(values: impl Iterator<Item = f32>) -> f32 {
-    let (sum, count) = values.fold((0.0, 0.0), |(sum, n), v| (sum + f64::from(v), n + 1.0));
-    (sum / count) as f32
 }
 
 #[inline]
@@ -206,25 +252,19 @@ fn scaled<S: Spectrum>(coefficients: Coefficients<S>, density: f32) -> Coefficie
     }
 }
 
-impl<S: Spectrum> Medium for GridMedium<S> {
+impl<S: Spectrum, D: Field<f32>> Medium for GridMedium<S, D> {
     type Spectrum = S;
-    type Phase<'a> = &'a Phase;
+    type Phase<'a>
+        = &'a Phase
+    where
+        D: 'a;
 
     fn coefficients(&self, p: Vec3) -> Coefficients<S> {
         if !self.bounds().contains(p) {
             return Coefficients::default();
         }
-        let mut here = scaled(self.per_density, self.density.lookup(p));
-        if let Some(grid) = &self.albedo {
-            let albedo = grid.lookup(p).map(|a| a.min(1.0));
-            let sigma_t = here.sigma_t();
-            here.sigma_s = sigma_t * albedo;
-            here.sigma_a = sigma_t - here.sigma_s;
-        }
-        if let Some(grid) = &self.emission {
-            here.emission = grid.lookup(p);
-        }
-        here
+        let density = self.density_at(p, &mut Hint::default());
+        self.coefficients_at(p, density)
     }
 
     #[inline]
@@ -233,9 +273,11 @@ impl<S: Spectrum> Medium for GridMedium<S> {
     }
 
     fn transmittance(&self, ray: &Ray, sampler: &mut impl Sampler) -> S {
-        match self.tracking {
-            Tracking::Ratio => self.ratio_track(ray, sampler, |_, _, _| {}),
-            Tracking::Regular => self.optical_depth(ray).map(|tau| (-tau).exp()),
+        match self.regular {
+            None => self.ratio_track(ray, sampler),
+            Some(column) => {
+                times(self.sigma_t(), column(&self.density, ray)).map(|tau| (-tau).exp())
+            }
         }
     }
 
@@ -264,7 +306,8 @@ impl<S: Spectrum> Medium for GridMedium<S> {
             return 0.0;
         }
         let transmittance = self.mean_transmittance(&ray.up_to(t));
-        (channel_pmf(importance) * self.extinction(p) * transmittance).sum()
+        let sigma_t = self.sigma_t() * self.density_at(p, &mut Hint::default());
+        (channel_pmf(importance) * sigma_t * transmittance).sum()
     }
 
     fn pmf_passing(&self, ray: &Ray, importance: S) -> f32 {
@@ -272,11 +315,12 @@ impl<S: Spectrum> Medium for GridMedium<S> {
     }
 
     fn majorants(&self, ray: &Ray, mut visit: impl FnMut(Majorant) -> ControlFlow<()>) {
-        let _ = self.majorants.walk(ray, |enter, leave, cell| {
+        let sigma_t = self.sigma_t().max_channel();
+        let _ = self.walk(ray, |enter, leave, cell| {
             visit(Majorant {
                 t_min: enter as f32,
                 t_max: leave as f32,
-                sigma_bar: cell.sigma_bar,
+                sigma_bar: sigma_t * cell.density.max,
             })
         });
     }

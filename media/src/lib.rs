@@ -23,6 +23,7 @@
 mod any;
 mod channels;
 mod error;
+mod field;
 mod grid;
 mod grid_medium;
 mod homogeneous;
@@ -30,15 +31,18 @@ mod lattice;
 mod majorant;
 mod phase;
 mod plume;
+mod sparse;
 mod tracking;
 
 pub use any::AnyMedium;
 pub use error::MediumError;
+pub use field::{Cells, Field, Hint, Range, Region};
 pub use grid::{DenseGrid, Filter};
 pub use grid_medium::{GridMedium, Tracking};
 pub use homogeneous::Homogeneous;
 pub use phase::{Blend, HenyeyGreenstein, Phase, Rayleigh, Tabulated};
 pub use plume::plume;
+pub use sparse::{Piece, Precision, SparseBuilder, SparseGrid, Statistics, Tile, TileSize};
 
 /// The example of the README compiles.
 #[cfg(doctest)]

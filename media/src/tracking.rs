@@ -2,80 +2,127 @@
 
 use crate::GridMedium;
 use crate::channels::{channel_pmf, exponential};
+use crate::field::{Field, Hint};
+use crate::majorant::Cell;
 use glam::Vec3;
 use std::ops::ControlFlow::{self, Break, Continue};
-use tyndall_core::{Collision, FreeFlight, Medium, Ray, Sampler, Spectrum};
+use tyndall_core::{Collision, FreeFlight, Ray, Sampler, Spectrum};
 
 /// Below this, a ratio-tracked transmittance plays Russian roulette.
 const THIN: f32 = 0.05;
 /// With this probability of going on.
 const SURVIVAL: f32 = 0.25;
 
-impl<S: Spectrum> GridMedium<S> {
-    /// Visits tentative collisions, a Poisson process of rate σ̄, with distance and σ̄.
+/// A place where light may have met something.
+struct Tentative<'a> {
+    t: f32,
+    /// Of the collisions tried.
+    rate: f32,
+    cell: &'a Cell,
+    /// ∫ of the smallest density of the cells dt, up to here.
+    floor: f64,
+}
+
+impl<S: Spectrum, D: Field<f32>> GridMedium<S, D> {
+    /// Visits tentative collisions, a Poisson process of the rate that `rate` has for each cell.
+    /// Returns ∫ of the smallest density of each cell dt over the ray.
     ///
-    /// Distances grow in `f64`: at σ̄ = 1e6 steps are below the spacing of `f32`.
+    /// Distances grow in `f64`: at a rate of 1e6 steps are below the spacing of `f32`.
     #[inline]
     fn tentative_collisions<R: Sampler>(
         &self,
         ray: &Ray,
         sampler: &mut R,
-        mut visit: impl FnMut(&mut R, f32, f32) -> ControlFlow<()>,
-    ) {
+        rate: impl Fn(&Cell) -> f32,
+        mut visit: impl FnMut(&mut R, Tentative<'_>) -> ControlFlow<()>,
+    ) -> f64 {
         let mut depth = None;
-        let _ = self.majorant_grid().walk(ray, |enter, leave, cell| {
-            let rate = f64::from(cell.sigma_bar);
+        let mut floor = 0.0;
+        let _ = self.walk(ray, |enter, leave, cell| {
+            let rate = rate(cell);
+            let least = f64::from(cell.density.min);
             let mut t = enter;
-            loop {
+            while rate > 0.0 {
                 let left = *depth.get_or_insert_with(|| f64::from(exponential(sampler)));
-                let next = t + left / rate;
+                let next = t + left / f64::from(rate);
                 if next >= leave {
-                    depth = Some((left - rate * (leave - t)).max(0.0));
-                    return Continue(());
+                    depth = Some((left - f64::from(rate) * (leave - t)).max(0.0));
+                    break;
                 }
                 t = next;
                 depth = None;
-                visit(sampler, t as f32, cell.sigma_bar)?;
+                let tentative = Tentative {
+                    t: t as f32,
+                    rate,
+                    cell,
+                    floor: floor + least * (t - enter),
+                };
+                visit(sampler, tentative)?;
             }
+            floor += least * (leave - enter);
+            Continue(())
         });
+        floor
     }
 
-    /// The product of 1 − σt/σ̄ over the tentative collisions (ratio tracking: Novák et al. 2014,
-    /// eq. 12), with Russian roulette once all channels are thin. `visit` gets each collision's
-    /// point and σ̄, and the product before it.
-    pub(crate) fn ratio_track(
+    /// Residual ratio tracking (Novák et al. 2014, eq. 20): what the smallest density of each cell
+    /// lets through is exact, and what is above it a product of 1 − (σt − σmin)/rate over tentative
+    /// collisions, with Russian roulette once all channels are thin.
+    pub(crate) fn ratio_track(&self, ray: &Ray, sampler: &mut impl Sampler) -> S {
+        let sigma_t = self.sigma_t();
+        let most = sigma_t.max_channel();
+        let rate = |cell: &Cell| most * (cell.density.max - cell.density.min);
+        self.track_residual(ray, sampler, rate, |_, _, _, _| {})
+    }
+
+    /// `visit` gets each tentative collision's point, density and rate, and the transmittance
+    /// before it.
+    #[inline]
+    fn track_residual(
         &self,
         ray: &Ray,
         sampler: &mut impl Sampler,
-        mut visit: impl FnMut(Vec3, f32, S),
+        rate: impl Fn(&Cell) -> f32,
+        mut visit: impl FnMut(Vec3, f32, f32, S),
     ) -> S {
-        let mut transmittance = S::splat(1.0);
-        self.tentative_collisions(ray, sampler, |sampler, t, sigma_bar| {
+        let sigma_t = self.sigma_t();
+        let through = |floor: f64| sigma_t.map(|s| (-f64::from(s) * floor).exp() as f32);
+        let mut hint = Hint::default();
+        let mut residual = S::splat(1.0);
+        let floor = self.tentative_collisions(ray, sampler, rate, |sampler, tentative| {
+            let Tentative {
+                t,
+                rate,
+                cell,
+                floor,
+            } = tentative;
             let p = ray.at(t);
-            visit(p, sigma_bar, transmittance);
-            transmittance *= self
-                .extinction(p)
-                .map(|sigma_t| (1.0 - sigma_t / sigma_bar).max(0.0));
-            if transmittance.max_channel() >= THIN {
+            let density = self.density_at(p, &mut hint);
+            let before = through(floor);
+            visit(p, density, rate, residual * before);
+            let above = density - cell.density.min;
+            residual *= sigma_t.map(|sigma_t| (1.0 - sigma_t * above / rate).max(0.0));
+            if (residual * before).max_channel() >= THIN {
                 return Continue(());
             }
-            if !transmittance.is_black() && sampler.next_1d() < SURVIVAL {
-                transmittance = transmittance / SURVIVAL;
+            if !residual.is_black() && sampler.next_1d() < SURVIVAL {
+                residual = residual / SURVIVAL;
                 return Continue(());
             }
-            transmittance = S::default();
+            residual = S::default();
             Break(())
         });
-        transmittance
+        residual * through(floor)
     }
 
-    /// Σ emission/σ̄ times the transmittance so far over the tentative collisions of ratio
-    /// tracking: they come at rate σ̄ and the product before them has mean Tr(t), hence the mean
-    /// is ∫ Tr·emission dt. It needs a majorant, not an extinction, where the medium emits.
+    /// Σ emission/rate times the transmittance so far over the tentative collisions of ratio
+    /// tracking: the mean of what is before them is Tr(t), hence the mean is ∫ Tr·emission dt.
     pub(crate) fn emission_track(&self, ray: &Ray, sampler: &mut impl Sampler) -> S {
+        let most = self.sigma_t().max_channel();
+        let rate = |cell: &Cell| (most * (cell.density.max - cell.density.min)).max(cell.rate);
         let mut emitted = S::default();
-        self.ratio_track(ray, sampler, |p, sigma_bar, transmittance| {
-            emitted += transmittance * self.emission(p) / sigma_bar;
+        self.track_residual(ray, sampler, rate, |p, density, rate, transmittance| {
+            emitted += transmittance * self.emission(p, density) / rate;
         });
         emitted
     }
@@ -95,18 +142,21 @@ impl<S: Spectrum> GridMedium<S> {
             weight: pmf.map(|p| if p > 0.0 { 1.0 } else { 0.0 }),
             collision: None,
         };
-        self.tentative_collisions(ray, sampler, |sampler, t, sigma_bar| {
+        let sigma_t = self.sigma_t();
+        let most = sigma_t.max_channel();
+        let mut hint = Hint::default();
+        let rate = |cell: &Cell| most * cell.density.max;
+        self.tentative_collisions(ray, sampler, rate, |sampler, Tentative { t, rate, .. }| {
             let p = ray.at(t);
+            let density = self.density_at(p, &mut hint);
             let beta = pmf * flight.weight;
-            let ratio = self
-                .extinction(p)
-                .map(|sigma_t| (sigma_t / sigma_bar).min(1.0));
+            let ratio = sigma_t.map(|sigma_t| (sigma_t * density / rate).min(1.0));
             let remainder = ratio.map(|r| 1.0 - r);
             let (real, null) = ((beta * ratio).sum(), (beta * remainder).sum());
             // Written so that neither outcome of probability 0 is ever chosen.
             if null <= 0.0 || sampler.next_1d() * (real + null) < real {
                 flight.weight *= ratio * ((real + null) / real);
-                let coefficients = self.coefficients(p);
+                let coefficients = self.coefficients_at(p, density);
                 flight.collision = Some(Collision { t, coefficients });
                 return Break(());
             }

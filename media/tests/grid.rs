@@ -311,7 +311,6 @@ fn wrong_numbers_are_named() {
         .unwrap()
         .with_albedo(grid([1, 2, 1], &[0.5, 1.5]).unwrap());
     let expected = MediumError::Albedo {
-        voxel: [0, 1, 0],
         channel: 0,
         value: 1.5,
     };

@@ -1,0 +1,334 @@
+//! Sparse grids of values, in the shape of OpenVDB's.
+
+mod builder;
+mod dense;
+mod leaves;
+mod mask;
+mod tree;
+
+pub use builder::{SparseBuilder, TileSize};
+pub use leaves::Precision;
+pub use tree::{Piece, Tile};
+
+use crate::field::{Cells, Field, Hint, Range, Region};
+use crate::{Filter, MediumError};
+use glam::{DAffine3, DVec3, IVec3, Vec3};
+use tree::{Found, LEAF, Tree, leaf_slot};
+use tyndall_core::{Aabb, Spectrum};
+
+/// Values on an endless regular grid, of which only those that differ from a background are stored:
+/// OpenVDB's tree in its form 5-4-3, made by [`SparseBuilder`].
+///
+/// Voxel (i, j, k) has its centre at `to_world`·(i, j, k), and any affine transformation with an
+/// inverse will do. Memory: see [`SparseGrid::bytes`].
+#[derive(Clone, Debug)]
+pub struct SparseGrid<T = f32> {
+    tree: Tree<T>,
+    to_world: DAffine3,
+    to_index: DAffine3,
+    filter: Filter,
+    /// The first and the last voxel of the box of all that is not background.
+    content: Option<[IVec3; 2]>,
+    bounds: Aabb,
+}
+
+/// What the active voxels of a grid hold; all zero without any.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Statistics<T> {
+    /// How many there are.
+    pub voxels: u64,
+    /// The smallest value in each channel.
+    pub min: T,
+    /// The largest.
+    pub max: T,
+    /// Their mean, summed in `f64`.
+    pub mean: T,
+}
+
+impl<T: Spectrum> SparseGrid<T> {
+    fn of(tree: Tree<T>, to_world: DAffine3) -> Result<Self, MediumError> {
+        let to_index = to_world.inverse();
+        let has_inverse = |m: DAffine3| m.is_finite() && m.matrix3.determinant() != 0.0;
+        if !(has_inverse(to_world) && has_inverse(to_index)) {
+            return Err(MediumError::Transform);
+        }
+        let grid = Self {
+            content: content(&tree),
+            tree,
+            to_world,
+            to_index,
+            filter: Filter::default(),
+            bounds: Aabb::EMPTY,
+        };
+        if let Some((voxel, channel, value)) = grid.find(|v| !(v.is_finite() && v >= 0.0)) {
+            return Err(MediumError::Voxel {
+                voxel,
+                channel,
+                value,
+            });
+        }
+        Ok(grid.with_filter(Filter::default()))
+    }
+
+    /// The same grid, read with another filter.
+    #[must_use]
+    pub fn with_filter(self, filter: Filter) -> Self {
+        let reach = match filter {
+            Filter::Trilinear => 1.0,
+            Filter::Nearest => 0.5,
+        };
+        let bounds = self.content.map_or(Aabb::EMPTY, |[first, last]| {
+            let (first, last) = (first.as_dvec3() - reach, last.as_dvec3() + reach);
+            let size = DAffine3::from_scale(last - first);
+            let to_world = self.to_world * DAffine3::from_translation(first) * size;
+            Region { to_world }.bounds()
+        });
+        Self {
+            filter,
+            bounds,
+            ..self
+        }
+    }
+
+    /// Takes whole voxels into space.
+    pub fn to_world(&self) -> DAffine3 {
+        self.to_world
+    }
+
+    /// The value of all voxels that are not stored.
+    pub fn background(&self) -> T {
+        self.tree.background
+    }
+
+    /// How voxels are kept.
+    pub fn precision(&self) -> Precision {
+        self.tree.leaves.precision()
+    }
+
+    /// The value of a voxel.
+    pub fn voxel(&self, ijk: IVec3) -> T {
+        self.value(self.tree.find(ijk), ijk)
+    }
+
+    /// The first and the last voxel of the box around all that differ from the background.
+    pub fn content(&self) -> Option<[IVec3; 2]> {
+        self.content
+    }
+
+    /// Visits every leaf and tile, with its first voxel.
+    pub fn visit<'a>(&'a self, visit: impl FnMut(IVec3, Piece<'a, T>)) {
+        self.tree.visit(visit);
+    }
+
+    /// The voxels of a leaf that [`SparseGrid::visit`] named; for their order see [`Piece::Leaf`].
+    pub fn leaf_values(&self, leaf: u32) -> impl ExactSizeIterator<Item = T> + '_ {
+        (0..leaves::VOXELS).map(move |slot| self.tree.leaves.value(leaf, slot))
+    }
+
+    /// Of the active voxels, those of tiles too.
+    pub fn statistics(&self) -> Statistics<T> {
+        let (mut voxels, mut range) = (0, None);
+        let mut sums = vec![0.0; T::CHANNELS];
+        let mut add = |value: T, n: u64| {
+            voxels += n;
+            let one = Range::of(value);
+            range = Some(range.map_or(one, |so_far: Range<T>| so_far.join(one, 0.0)));
+            for (c, sum) in sums.iter_mut().enumerate() {
+                *sum += f64::from(value.channel(c)) * n as f64;
+            }
+        };
+        self.visit(|_, piece| match piece {
+            Piece::Tile { edge, tile } => {
+                if tile.active {
+                    add(tile.value, (edge as u64).pow(3));
+                }
+            }
+            Piece::Leaf { leaf, active } => {
+                for slot in tree::active_slots(active) {
+                    add(self.tree.leaves.value(leaf, slot), 1);
+                }
+            }
+        });
+        let range = range.unwrap_or(Range::of(T::default()));
+        Statistics {
+            voxels,
+            min: range.min,
+            max: range.max,
+            mean: T::from_channels(|c| (sums[c] / voxels.max(1) as f64) as f32),
+        }
+    }
+
+    /// How many leaves there are.
+    pub fn leaf_count(&self) -> usize {
+        self.tree.leaves.len()
+    }
+
+    /// Bytes of memory held: for a grid of many leaves 1.04 times those of their voxels (2048 a
+    /// leaf of one channel; half of it, and 1.07 times, in [`Precision::Half`]).
+    pub fn bytes(&self) -> usize {
+        size_of::<Self>() + self.tree.bytes()
+    }
+
+    fn value(&self, found: Found<T>, ijk: IVec3) -> T {
+        match found {
+            Found::Leaf(leaf) => self.tree.leaves.value(leaf, leaf_slot(ijk)),
+            Found::Constant(value) => value,
+        }
+    }
+
+    /// The first voxel, and the first channel in it, whose value is `bad`; of a tile its first.
+    pub(crate) fn find(&self, bad: impl Fn(f32) -> bool) -> Option<([i32; 3], usize, f32)> {
+        let bad_channel = |value: T| (0..T::CHANNELS).find(|&c| bad(value.channel(c)));
+        let mut first = None;
+        let mut check = |voxel: IVec3, value: T| {
+            if first.is_none()
+                && let Some(c) = bad_channel(value)
+            {
+                first = Some((voxel.to_array(), c, value.channel(c)));
+            }
+        };
+        self.visit(|origin, piece| match piece {
+            Piece::Tile { tile, .. } => check(origin, tile.value),
+            Piece::Leaf { leaf, .. } => {
+                for (slot, value) in self.leaf_values(leaf).enumerate() {
+                    let [x, y, z] = [slot >> 6, (slot >> 3) & 7, slot & 7].map(|i| i as i32);
+                    check(origin + IVec3::new(x, y, z), value);
+                }
+            }
+        });
+        check(IVec3::MAX, self.tree.background);
+        first
+    }
+
+    #[inline]
+    fn found(&self, ijk: IVec3, hint: &mut Hint) -> Found<T> {
+        let key = ijk >> LEAF.ilog2();
+        if key == hint.key {
+            return Found::Leaf(hint.leaf);
+        }
+        let found = self.tree.find(ijk);
+        if let Found::Leaf(leaf) = found {
+            *hint = Hint { key, leaf };
+        }
+        found
+    }
+
+    #[inline]
+    fn near(&self, ijk: IVec3, hint: &mut Hint) -> T {
+        self.value(self.found(ijk, hint), ijk)
+    }
+
+    /// Between the voxel `base` and the one after it in each axis; `fraction` in \[0, 1\].
+    #[inline]
+    fn interpolate(&self, base: IVec3, fraction: Vec3, hint: &mut Hint) -> T {
+        let inner = (base & (LEAF - 1)).max_element() < LEAF - 1;
+        let corners: [T; 8] = if inner {
+            match self.found(base, hint) {
+                Found::Constant(value) => return value,
+                Found::Leaf(leaf) => {
+                    let slot = leaf_slot(base);
+                    CORNERS.map(|[x, y, z]| {
+                        let corner = ((x << 6) | (y << 3) | z) as usize;
+                        self.tree.leaves.value(leaf, slot + corner)
+                    })
+                }
+            }
+        } else {
+            CORNERS.map(|corner| self.near(base.saturating_add(IVec3::from(corner)), hint))
+        };
+        let lerp = |a: T, b: T, s: f32| a * (1.0 - s) + b * s;
+        let z = |i: usize| lerp(corners[i], corners[i + 1], fraction.z);
+        let y = |i: usize| lerp(z(i), z(i + 2), fraction.y);
+        lerp(y(0), y(4), fraction.x)
+    }
+}
+
+/// The corners of a cube, x slowest.
+const CORNERS: [[i32; 3]; 8] = [
+    [0, 0, 0],
+    [0, 0, 1],
+    [0, 1, 0],
+    [0, 1, 1],
+    [1, 0, 0],
+    [1, 0, 1],
+    [1, 1, 0],
+    [1, 1, 1],
+];
+
+impl<T: Spectrum> Field<T> for SparseGrid<T> {
+    fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
+    #[inline]
+    fn lookup(&self, p: Vec3, hint: &mut Hint) -> T {
+        let x = self.to_index.transform_point3(p.as_dvec3());
+        match self.filter {
+            Filter::Nearest => self.near((x + 0.5).floor().as_ivec3(), hint),
+            Filter::Trilinear => {
+                let base = x.floor();
+                self.interpolate(base.as_ivec3(), (x - base).as_vec3(), hint)
+            }
+        }
+    }
+
+    fn range(&self, region: &Region) -> Range<T> {
+        let Some([first, last]) = self.content else {
+            return Range::of(self.tree.background);
+        };
+        // A hundredth of a voxel for the rounding of lookups.
+        let [min, max] = region.bounds_in(&self.to_index);
+        let [min, max] = match self.filter {
+            Filter::Trilinear => [(min - 0.01).floor(), (max + 0.01).floor() + 1.0],
+            Filter::Nearest => [(min + 0.49).floor(), (max + 0.51).floor()],
+        };
+        // One voxel around the content stands for all the background beyond.
+        let (first, last) = (first.as_dvec3() - 1.0, last.as_dvec3() + 1.0);
+        let cut = |x: DVec3| x.clamp(first, last).as_ivec3();
+        self.tree.range(cut(min), cut(max))
+    }
+
+    /// A leaf each, half a voxel off: what is read inside then lies in it or beside it.
+    fn cells(&self) -> Cells {
+        let leaf = f64::from(LEAF);
+        let [first, last] = self
+            .content
+            .unwrap_or([IVec3::ZERO; 2])
+            .map(|i| i.as_dvec3());
+        let first = ((first - 1.0) / leaf).floor();
+        let count = ((last + 1.0) / leaf).floor() - first + 1.0;
+        let corner = DAffine3::from_translation(leaf * first - 0.5);
+        Cells {
+            to_world: self.to_world * corner * DAffine3::from_scale(DVec3::splat(leaf)),
+            count: count.as_ivec3(),
+        }
+    }
+}
+
+/// The box around all that is not background.
+fn content<T: Spectrum>(tree: &Tree<T>) -> Option<[IVec3; 2]> {
+    let mut content: Option<[IVec3; 2]> = None;
+    let mut add = |first: IVec3, last: IVec3| {
+        content = Some(match content {
+            None => [first, last],
+            Some([a, b]) => [a.min(first), b.max(last)],
+        });
+    };
+    tree.visit(|origin, piece| match piece {
+        Piece::Tile { edge, tile } => {
+            if tile.value != tree.background {
+                add(origin, origin + (edge - 1));
+            }
+        }
+        Piece::Leaf { leaf, .. } => {
+            for slot in 0..leaves::VOXELS {
+                if tree.leaves.value(leaf, slot) != tree.background {
+                    let [x, y, z] = [slot >> 6, (slot >> 3) & 7, slot & 7].map(|i| i as i32);
+                    let voxel = origin + IVec3::new(x, y, z);
+                    add(voxel, voxel);
+                }
+            }
+        }
+    });
+    content
+}
