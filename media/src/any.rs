@@ -1,6 +1,6 @@
 //! Any medium of this crate.
 
-use crate::{GridMedium, Homogeneous, Phase};
+use crate::{GridMedium, Homogeneous, Phase, SparseGrid};
 use glam::Vec3;
 use std::ops::ControlFlow;
 use tyndall_core::{Coefficients, FreeFlight, Majorant, Medium, Ray, Sampler, Spectrum};
@@ -12,6 +12,8 @@ pub enum AnyMedium<S> {
     Homogeneous(Homogeneous<S>),
     /// A density grid.
     Grid(Box<GridMedium<S>>),
+    /// A sparse density grid.
+    Sparse(Box<GridMedium<S, SparseGrid>>),
 }
 
 /// Calls the same method of whichever medium it is.
@@ -20,6 +22,7 @@ macro_rules! forward {
         match $self {
             AnyMedium::Homogeneous($medium) => $call,
             AnyMedium::Grid($medium) => $call,
+            AnyMedium::Sparse($medium) => $call,
         }
     };
 }

@@ -1,5 +1,6 @@
 //! Quantities that vary in space.
 
+use crate::MediumError;
 use glam::{DAffine3, DVec3, IVec3, Vec3};
 use std::fmt::Debug;
 use tyndall_core::{Aabb, Spectrum};
@@ -19,6 +20,12 @@ pub trait Field<T>: Debug + Send + Sync {
     /// Bounds of all lookups inside a region. They may be wider than need be, at a cost of time;
     /// where they are too narrow, the image is wrong.
     fn range(&self, region: &Region) -> Range<T>;
+
+    /// Whether a medium can take it: nothing may be negative or not finite.
+    ///
+    /// # Errors
+    /// What is wrong where.
+    fn check(&self) -> Result<(), MediumError>;
 
     /// The cells whose bounds are worth asking for; they cover all that is not zero.
     fn cells(&self) -> Cells;

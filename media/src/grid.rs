@@ -284,6 +284,11 @@ impl<T: Spectrum> Field<T> for DenseGrid<T> {
         self.footprint(region).collect()
     }
 
+    /// [`DenseGrid::new`] has.
+    fn check(&self) -> Result<(), MediumError> {
+        Ok(())
+    }
+
     fn cells(&self) -> Cells {
         let voxel = self.bounds.size().as_dvec3() / counts(self.resolution).as_dvec3();
         let place = DAffine3::from_translation(self.bounds.min.as_dvec3());

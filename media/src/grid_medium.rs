@@ -66,13 +66,14 @@ impl<S: Spectrum, D: Field<f32>> GridMedium<S, D> {
     ///
     /// # Errors
     /// [`MediumError::Coefficient`] if a coefficient is negative or not finite, alone or times the
-    /// largest density; [`MediumError::TooDense`].
+    /// largest density; [`MediumError::TooDense`]; those of [`Field::check`].
     pub fn new(
         density: D,
         per_density: Coefficients<S>,
         phase: Phase,
     ) -> Result<Self, MediumError> {
         check_coefficients(&per_density)?;
+        density.check()?;
         let bounds = density.bounds();
         if !bounds.is_empty() {
             let most = density.range(&Region::of(bounds)).max;
@@ -100,8 +101,9 @@ impl<S: Spectrum, D: Field<f32>> GridMedium<S, D> {
     /// its own.
     ///
     /// # Errors
-    /// [`MediumError::Albedo`] if it may exceed 1.
+    /// [`MediumError::Albedo`] if it may exceed 1; those of [`Field::check`].
     pub fn with_albedo(self, albedo: impl Field<S> + 'static) -> Result<Self, MediumError> {
+        albedo.check()?;
         let bounds = albedo.bounds();
         if !bounds.is_empty() {
             let max = albedo.range(&Region::of(bounds)).max;
@@ -118,13 +120,16 @@ impl<S: Spectrum, D: Field<f32>> GridMedium<S, D> {
 
     /// Takes the emission, W·sr⁻¹·m⁻² per scene unit, from a field, which may have a box of its
     /// own; outside the density's box nothing glows.
-    #[must_use]
-    pub fn with_emission(self, emission: impl Field<S> + 'static) -> Self {
-        Self {
+    ///
+    /// # Errors
+    /// Those of [`Field::check`].
+    pub fn with_emission(self, emission: impl Field<S> + 'static) -> Result<Self, MediumError> {
+        emission.check()?;
+        Ok(Self {
             majorants: majorants(&self.density, self.per_density, Some(&emission)),
             emission: Some(Arc::new(emission)),
             ..self
-        }
+        })
     }
 
     /// The box outside which there is nothing.

@@ -17,7 +17,8 @@ use tree::{Found, LEAF, Tree, leaf_slot};
 use tyndall_core::{Aabb, Spectrum};
 
 /// Values on an endless regular grid, of which only those that differ from a background are stored:
-/// OpenVDB's tree in its form 5-4-3, made by [`SparseBuilder`].
+/// OpenVDB's tree in its form 5-4-3, made by [`SparseBuilder`]. It holds any values; a medium takes
+/// those that pass [`Field::check`].
 ///
 /// Voxel (i, j, k) has its centre at `to_world`·(i, j, k), and any affine transformation with an
 /// inverse will do. Memory: see [`SparseGrid::bytes`].
@@ -60,13 +61,6 @@ impl<T: Spectrum> SparseGrid<T> {
             filter: Filter::default(),
             bounds: Aabb::EMPTY,
         };
-        if let Some((voxel, channel, value)) = grid.find(|v| !(v.is_finite() && v >= 0.0)) {
-            return Err(MediumError::Voxel {
-                voxel,
-                channel,
-                value,
-            });
-        }
         Ok(grid.with_filter(Filter::default()))
     }
 
@@ -286,6 +280,17 @@ impl<T: Spectrum> Field<T> for SparseGrid<T> {
         let (first, last) = (first.as_dvec3() - 1.0, last.as_dvec3() + 1.0);
         let cut = |x: DVec3| x.clamp(first, last).as_ivec3();
         self.tree.range(cut(min), cut(max))
+    }
+
+    fn check(&self) -> Result<(), MediumError> {
+        match self.find(|v| !(v.is_finite() && v >= 0.0)) {
+            None => Ok(()),
+            Some((voxel, channel, value)) => Err(MediumError::Voxel {
+                voxel,
+                channel,
+                value,
+            }),
+        }
     }
 
     /// A leaf each, half a voxel off: what is read inside then lies in it or beside it.

@@ -214,7 +214,7 @@ fn emission_has_a_majorant() {
     let dark = GridMedium::new(density, grey(1.0, 1.0, 1.0), Phase::Isotropic).unwrap();
     let ray = Ray::new(BOUNDS.center(), Vec3::Z);
     assert!(collect(&dark, &ray).is_empty());
-    let bright = dark.with_emission(glow);
+    let bright = dark.with_emission(glow).unwrap();
     assert_eq!(collect(&bright, &ray)[0].t_min, 0.0);
 }
 
@@ -232,7 +232,8 @@ fn albedo_and_emission_have_grids_of_their_own() {
     let medium = GridMedium::new(density, per_density, Phase::Isotropic)
         .and_then(|m| m.with_albedo(albedo))
         .unwrap()
-        .with_emission(glow.map(Rgb::splat).unwrap());
+        .with_emission(glow.map(Rgb::splat).unwrap())
+        .unwrap();
     let here = medium.coefficients(BOUNDS.min);
     assert_eq!(here.sigma_s, Rgb::new(2.0, 3.0, 0.0));
     assert_eq!(here.sigma_a, Rgb::new(0.0, 3.0, 10.0));

@@ -295,11 +295,14 @@ fn emission_grids_glow_without_density() {
     let mut sampler = rng(6);
     let glow = noise([5, 6, 7], &mut sampler);
     let expected = glow.line_integral(&across());
-    let clear = grid_medium(constant(0.0, [16; 3]), 1.0, 1.0, 0.0).with_emission(glow.clone());
+    let clear = grid_medium(constant(0.0, [16; 3]), 1.0, 1.0, 0.0)
+        .with_emission(glow.clone())
+        .unwrap();
     check_emission(&clear, &across(), &mut sampler, |_| expected);
     // Constant smoke over a constant glow: e·(1 − e^{−σt·s})/σt, albedo and all.
-    let smoky =
-        grid_medium(constant(0.1, [16; 3]), 1.0, 1.0, 0.0).with_emission(constant(4.0, [1, 1, 1]));
+    let smoky = grid_medium(constant(0.1, [16; 3]), 1.0, 1.0, 0.0)
+        .with_emission(constant(4.0, [1, 1, 1]))
+        .unwrap();
     let expected = -4.0 * (-0.6_f64).exp_m1() / 0.2;
     check_emission(&smoky, &across(), &mut sampler, |_| expected);
 }

@@ -48,6 +48,14 @@ pub enum Error {
         /// What is wrong and how to mend it.
         problem: String,
     },
+    /// A volume file is broken, or of a kind that is not read.
+    #[error("{}: {problem}", path.display())]
+    Volume {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with which grid, and how to mend it.
+        problem: String,
+    },
     /// A file could not be written; what was there before is untouched.
     #[error("{}: cannot be written: {reason}", path.display())]
     Write {

@@ -26,6 +26,7 @@ mod srgb;
 mod summary;
 mod texture;
 mod vol;
+mod volume;
 
 pub use error::{Error, Place};
 pub use features::Features;
@@ -44,3 +45,4 @@ pub use summary::{
 };
 pub use tyndall_surface::Backend;
 pub use vol::{Volume, read_vol};
+pub use volume::{GridClass, VolumeGrid, Voxels, read_volume};

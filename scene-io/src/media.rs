@@ -71,7 +71,7 @@ impl MediumDescription {
             medium = medium.with_albedo(albedo.map(convert)?)?;
         }
         if let Some(emission) = &grid.emission {
-            medium = medium.with_emission(emission.map(convert)?);
+            medium = medium.with_emission(emission.map(convert)?)?;
         }
         Ok(AnyMedium::Grid(Box::new(medium)))
     }

@@ -168,7 +168,6 @@ impl<T: Spectrum> SparseBuilder<T> {
     /// The grid, whose voxel (i, j, k) has its centre at `to_world`·(i, j, k).
     ///
     /// # Errors
-    /// [`MediumError::Voxel`] if a value that can be read is negative or not finite,
     /// [`MediumError::Transform`] if `to_world` has no inverse.
     pub fn build(self, to_world: DAffine3) -> Result<SparseGrid<T>, MediumError> {
         let Self {

@@ -236,7 +236,18 @@ impl<T: Spectrum> Tree<T> {
     /// Of the voxels from `first` to `last`, both counted.
     pub(super) fn range(&self, first: IVec3, last: IVec3) -> Range<T> {
         let mut gather = Gather::new();
-        self.gather([first, last], 2, &mut gather);
+        let all = (last.as_dvec3() - first.as_dvec3() + 1.0).element_product();
+        let mut rest = all;
+        for &(origin, _) in &self.roots {
+            let cut = [first.max(origin), last.min(origin + (EDGES[2] - 1))];
+            if cut[0].cmple(cut[1]).all() {
+                rest -= (cut[1] - cut[0] + 1).as_dvec3().element_product();
+                self.gather(cut, 2, &mut gather);
+            }
+        }
+        if rest > 0.0 {
+            gather.add(Range::of(self.background), rest as f32);
+        }
         gather.range()
     }
 

@@ -1,0 +1,70 @@
+//! Sparse volumes: OpenVDB and NanoVDB files.
+
+mod nano_vdb;
+mod open_vdb;
+
+use crate::Error;
+use crate::open::read;
+use std::path::Path;
+use tyndall_core::Rgb;
+use tyndall_media::SparseGrid;
+
+/// A grid of a volume file.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct VolumeGrid {
+    /// Its name, as `density`; names may repeat.
+    pub name: String,
+    /// What its values mean.
+    pub class: GridClass,
+    /// The type of its values as the file names it, such as `float` or `half`.
+    pub kind: String,
+    /// Its voxels.
+    pub voxels: Voxels,
+}
+
+/// What the values of a grid mean.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum GridClass {
+    /// The file does not say.
+    #[default]
+    Unknown,
+    /// A density.
+    FogVolume,
+    /// Distances to a surface, negative inside.
+    LevelSet,
+    /// Components of a vector on the faces of voxels, such as a velocity.
+    Staggered,
+}
+
+/// The voxels of a grid.
+#[derive(Clone, Debug)]
+pub enum Voxels {
+    /// One channel: float, half, double.
+    Scalar(SparseGrid<f32>),
+    /// Three: a vector of these.
+    Vector(SparseGrid<Rgb>),
+    /// Not wanted, or of a type that has no use here.
+    Unread,
+}
+
+/// Reads the grids of an OpenVDB or NanoVDB file whose name is `wanted`; of the others only what they
+/// are ([`Voxels::Unread`]).
+///
+/// # Errors
+/// [`Error::Read`] if the file cannot be read, [`Error::Volume`] if it is broken, of a kind that is not
+/// read, or no such file.
+pub fn read_volume(path: &Path, wanted: impl Fn(&str) -> bool) -> Result<Vec<VolumeGrid>, Error> {
+    let bytes = read(path)?;
+    let grids = if bytes.starts_with(&open_vdb::MAGIC) {
+        open_vdb::read(&bytes, &wanted)
+    } else if bytes.starts_with(nano_vdb::MAGIC) {
+        nano_vdb::read(&bytes, &wanted)
+    } else {
+        Err("is neither an OpenVDB nor a NanoVDB file: export it as .vdb or .nvdb".into())
+    };
+    grids.map_err(|problem| Error::Volume {
+        path: path.to_owned(),
+        problem,
+    })
+}
