@@ -86,7 +86,10 @@ impl<S: Spectrum, D: Field<f32>> GridMedium<S, D> {
         mut visit: impl FnMut(Vec3, f32, f32, S),
     ) -> S {
         let sigma_t = self.sigma_t();
-        let through = |floor: f64| sigma_t.map(|s| (-f64::from(s) * floor).exp() as f32);
+        let through = |floor: f64| match floor {
+            0.0 => S::splat(1.0),
+            _ => sigma_t.map(|s| (-s * floor as f32).exp()),
+        };
         let mut hint = Hint::default();
         let mut residual = S::splat(1.0);
         let floor = self.tentative_collisions(ray, sampler, rate, |sampler, tentative| {
