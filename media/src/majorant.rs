@@ -17,6 +17,9 @@ const LOG2: u32 = 3;
 /// the walk takes.
 const WORTH: f32 = 0.25;
 
+/// Of places, relative to the size of all.
+const ROUNDING: f64 = 1e-12;
+
 /// What is known of a region.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cell {
@@ -36,19 +39,19 @@ struct Node {
 /// The children of a node.
 #[derive(Clone, Debug)]
 struct Children {
-    /// For x and y, y faster, a bit for each z whose child is not empty.
-    present: [u8; 64],
-    /// The number of the first child there; they lie together in order.
-    first: [u32; 64],
+    /// For each, x slowest: its place among those that are not empty, from 1 on; 0 if it is.
+    places: [u16; 512],
+    /// The number before that of the first; they lie together.
+    before: u32,
 }
 
 impl Children {
     #[inline]
     fn find(&self, [x, y, z]: [i32; 3]) -> Option<u32> {
-        let column = (x * EDGE + y) as usize;
-        let bit = 1_u8 << z;
-        let below = (self.present[column] & (bit - 1)).count_ones();
-        (self.present[column] & bit != 0).then(|| self.first[column] + below)
+        match self.places[((x * EDGE + y) * EDGE + z) as usize] {
+            0 => None,
+            place => Some(self.before + u32::from(place)),
+        }
     }
 }
 
@@ -57,8 +60,10 @@ impl Children {
 pub(crate) struct Majorants {
     /// From space into units of cells, from the first one.
     to_cells: DAffine3,
-    /// How many there are; a ray along the outermost face belongs to the last.
-    count: DVec3,
+    /// How many there are, the last maybe in part.
+    size: DVec3,
+    /// The last along each axis; a ray along the outermost face belongs to it.
+    last: [i32; 3],
     /// Nodes above the cells.
     levels: u32,
     /// The root first; none if all is empty.
@@ -75,17 +80,23 @@ impl Majorants {
         sigma_t: f32,
         describe: impl Fn(&Region) -> Option<Cell>,
     ) -> Self {
-        let longest = cells.count.max_element().max(1) as u32;
+        let last = cells.size.ceil().as_ivec3() - 1;
+        let longest = last.max_element().max(0) as u32 + 1;
         let levels = longest.next_power_of_two().ilog2().div_ceil(LOG2);
         let mut majorants = Self {
             to_cells: cells.to_world.inverse(),
-            count: cells.count.as_dvec3(),
+            size: cells.size,
+            last: last.to_array(),
             levels,
             nodes: Vec::new(),
             children: Vec::new(),
             sigma_t,
         };
-        let maker = Maker { cells, describe };
+        let maker = Maker {
+            to_world: cells.to_world,
+            last,
+            describe,
+        };
         if let Some(cell) = maker.cell(IVec3::ZERO, levels) {
             majorants.nodes.push(Node {
                 cell,
@@ -96,12 +107,11 @@ impl Majorants {
         majorants
     }
 
-    /// Visits the stretches of the ray between `start` and `end` whose bound is positive, in order.
+    /// Visits the stretches of the ray whose bound is positive, in order.
     #[inline]
     pub(crate) fn walk(
         &self,
         ray: &Ray,
-        [start, end]: [f64; 2],
         mut visit: impl FnMut(f64, f64, &Cell) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let Some(root) = self.nodes.first() else {
@@ -111,8 +121,8 @@ impl Majorants {
             self.to_cells.transform_point3(ray.origin.as_dvec3()),
             self.to_cells.transform_vector3(ray.direction.as_dvec3()),
         );
-        match line.through(f64::from(EDGE.pow(self.levels)), [start, end]) {
-            Some(span) => self.cross(root, [0.0; 3], self.levels, &line, span, &mut visit),
+        match line.through(self.size.to_array(), ray.t_max.into()) {
+            Some(span) => self.cross(root, [0; 3], self.levels, &line, span, &mut visit),
             None => ControlFlow::Continue(()),
         }
     }
@@ -122,7 +132,7 @@ impl Majorants {
     fn cross(
         &self,
         node: &Node,
-        corner: [f64; 3],
+        corner: [i32; 3],
         level: u32,
         line: &Line,
         [start, end]: [f64; 2],
@@ -143,16 +153,17 @@ impl Majorants {
     fn descend(
         &self,
         children: &Children,
-        corner: [f64; 3],
+        corner: [i32; 3],
         level: u32,
         line: &Line,
         [start, end]: [f64; 2],
         visit: &mut impl FnMut(f64, f64, &Cell) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        let edge = f64::from(EDGE.pow(level - 1));
+        let shift = (level - 1) * LOG2;
         let mut axes = [0, 1, 2].map(|i| {
-            let last = ((self.count[i] - corner[i]) / edge).ceil() as i32 - 1;
-            Axis::new(line, i, corner[i], edge, last.min(EDGE - 1), start)
+            let last = (self.last[i] - corner[i]) >> shift;
+            let corner = f64::from(corner[i]);
+            Axis::new(line, i, corner, shift, last.min(EDGE - 1), start)
         });
         let mut t = start;
         loop {
@@ -162,7 +173,7 @@ impl Majorants {
                 && let Some(child) = children.find([0, 1, 2].map(|i| axes[i].at))
             {
                 let child = &self.nodes[child as usize];
-                let corner = [0, 1, 2].map(|i| corner[i] + edge * f64::from(axes[i].at));
+                let corner = [0, 1, 2].map(|i| corner[i] + (axes[i].at << shift));
                 self.cross(child, corner, level - 1, line, [t, leave], visit)?;
             }
             if axes[next].exit >= end {
@@ -190,12 +201,15 @@ impl Line {
         }
     }
 
-    /// The part of a stretch inside the cube of this edge.
-    fn through(&self, edge: f64, [mut start, mut end]: [f64; 2]) -> Option<[f64; 2]> {
+    /// The part inside the box of this size.
+    #[inline]
+    fn through(&self, size: [f64; 3], t_max: f64) -> Option<[f64; 2]> {
+        let (mut start, mut end) = (0.0_f64, t_max);
         for i in 0..3 {
-            let [a, b] = [0.0, edge].map(|plane| plane - self.origin[i]);
+            let [a, b] = [0.0, size[i]].map(|plane| plane - self.origin[i]);
             if self.inverse[i].is_infinite() {
-                if a > 0.0 || b < 0.0 {
+                // A face is inside, though it be off by rounding.
+                if a > ROUNDING * size[i] || b < -ROUNDING * size[i] {
                     return None;
                 }
             } else {
@@ -225,11 +239,12 @@ struct Axis {
 
 impl Axis {
     #[inline]
-    fn new(line: &Line, i: usize, corner: f64, edge: f64, last: i32, start: f64) -> Self {
+    fn new(line: &Line, i: usize, corner: f64, shift: u32, last: i32, start: f64) -> Self {
         let (origin, inverse) = (line.origin[i] - corner, line.inverse[i]);
         // A negative or NaN position becomes 0 in the conversion.
-        let inside = (origin + start * line.direction[i]) / edge;
-        let at = (inside as i32).clamp(0, last);
+        let inside = (origin + start * line.direction[i]) as i32;
+        let at = (inside >> shift).clamp(0, last);
+        let edge = f64::from(1 << shift);
         let forward = line.direction[i] > 0.0;
         let left = match forward {
             _ if inverse.is_infinite() => 0,
@@ -274,19 +289,20 @@ fn nearest(axes: &[Axis; 3]) -> usize {
 }
 
 struct Maker<F> {
-    cells: Cells,
+    to_world: DAffine3,
+    last: IVec3,
     describe: F,
 }
 
 impl<F: Fn(&Region) -> Option<Cell>> Maker<F> {
     /// What is known of the cube of 4^`level` cells from `first` on; `None` if it is empty.
     fn cell(&self, first: IVec3, level: u32) -> Option<Cell> {
-        if first.cmpge(self.cells.count).any() {
+        if first.cmpgt(self.last).any() {
             return None;
         }
         let place = DAffine3::from_translation(first.as_dvec3());
         let scale = DAffine3::from_scale(DVec3::splat(f64::from(EDGE.pow(level))));
-        let to_world = self.cells.to_world * place * scale;
+        let to_world = self.to_world * place * scale;
         (self.describe)(&Region { to_world })
     }
 
@@ -298,29 +314,23 @@ impl<F: Fn(&Region) -> Option<Cell>> Maker<F> {
         }
         let start = tree.nodes.len();
         let edge = EDGE.pow(level - 1);
-        let mut children = Children {
-            present: [0; 64],
-            first: [0; 64],
-        };
+        let mut places = [0; 512];
         let mut origins = Vec::new();
-        for i in 0..EDGE.pow(3) {
+        for (i, place) in (0..).zip(&mut places) {
             let at = IVec3::new(i / (EDGE * EDGE), i / EDGE % EDGE, i % EDGE);
-            let column = (i / EDGE) as usize;
-            if at.z == 0 {
-                children.first[column] = tree.nodes.len() as u32;
-            }
             let first = first + edge * at;
             if let Some(cell) = self.cell(first, level - 1) {
-                children.present[column] |= 1 << at.z;
                 tree.nodes.push(Node {
                     cell,
                     children: None,
                 });
                 origins.push(first);
+                *place = origins.len() as u16;
             }
         }
+        let before = start as u32 - 1;
         tree.nodes[node].children = Some(tree.children.len() as u32);
-        tree.children.push(children);
+        tree.children.push(Children { places, before });
         for (i, first) in origins.into_iter().enumerate() {
             self.divide(tree, start + i, first, level - 1);
         }

@@ -264,7 +264,7 @@ impl Field<f32> for Counted {
     fn cells(&self) -> Cells {
         let whole = Cells {
             to_world: Region::of(self.bounds()).to_world,
-            count: IVec3::ONE,
+            size: DVec3::ONE,
         };
         if self.one_cell {
             whole
