@@ -121,11 +121,11 @@ impl<T: Spectrum> DenseGrid<T> {
         let p = p.clamp(self.bounds.min, self.bounds.max);
         let x = (p - self.bounds.min) * self.scale;
         match self.filter {
-            Filter::Nearest => self.voxel(x.floor().as_ivec3().to_array()),
+            // x is not negative: truncation is `floor`, which is a call on many targets.
+            Filter::Nearest => self.voxel(x.as_ivec3().to_array()),
             Filter::Trilinear => {
-                let x = x - 0.5;
-                let base = x.floor();
-                self.interpolate(base.as_ivec3().to_array(), x - base)
+                let base = (x + 0.5).as_ivec3() - 1;
+                self.interpolate(base.to_array(), x - 0.5 - base.as_vec3())
             }
         }
     }

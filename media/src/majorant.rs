@@ -135,29 +135,61 @@ impl Majorants {
         corner: [i32; 3],
         level: u32,
         line: &Line,
-        [start, end]: [f64; 2],
+        span: [f64; 2],
         visit: &mut impl FnMut(f64, f64, &Cell) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
+        let [start, end] = span;
         let Range { min, max, .. } = node.cell.density;
         let null = self.sigma_t * (max - min) * (end - start) as f32;
         match node.children {
             Some(children) if null >= WORTH => {
                 let children = &self.children[children as usize];
-                self.descend(children, corner, level, line, [start, end], visit)
+                if level > 1 {
+                    return self.descend(children, corner, level, line, span, visit);
+                }
+                self.each(
+                    children,
+                    corner,
+                    level,
+                    line,
+                    span,
+                    |cell, _, [enter, leave]| visit(enter, leave, &cell.cell),
+                )
             }
             _ => visit(start, end, &node.cell),
         }
     }
 
-    /// Amanatides & Woo (1987) through the children of a node. The stretches join without a gap.
+    /// Visits what is below the children of a node.
     fn descend(
         &self,
         children: &Children,
         corner: [i32; 3],
         level: u32,
         line: &Line,
-        [start, end]: [f64; 2],
+        span: [f64; 2],
         visit: &mut impl FnMut(f64, f64, &Cell) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        self.each(
+            children,
+            corner,
+            level,
+            line,
+            span,
+            |child, corner, span| self.cross(child, corner, level - 1, line, span, visit),
+        )
+    }
+
+    /// Amanatides & Woo (1987) through the children of a node. The stretches join without a gap.
+    #[inline(always)]
+    fn each(
+        &self,
+        children: &Children,
+        corner: [i32; 3],
+        level: u32,
+        line: &Line,
+        [start, end]: [f64; 2],
+        mut visit: impl FnMut(&Node, [i32; 3], [f64; 2]) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let shift = (level - 1) * LOG2;
         let mut axes = [0, 1, 2].map(|i| {
@@ -172,9 +204,8 @@ impl Majorants {
             if leave > t
                 && let Some(child) = children.find([0, 1, 2].map(|i| axes[i].at))
             {
-                let child = &self.nodes[child as usize];
                 let corner = [0, 1, 2].map(|i| corner[i] + (axes[i].at << shift));
-                self.cross(child, corner, level - 1, line, [t, leave], visit)?;
+                visit(&self.nodes[child as usize], corner, [t, leave])?;
             }
             if axes[next].exit >= end {
                 return ControlFlow::Continue(());
