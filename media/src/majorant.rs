@@ -236,11 +236,11 @@ impl Line {
     #[inline]
     fn through(&self, size: [f64; 3], t_max: f64) -> Option<[f64; 2]> {
         let (mut start, mut end) = (0.0_f64, t_max);
-        for i in 0..3 {
-            let [a, b] = [0.0, size[i]].map(|plane| plane - self.origin[i]);
+        for (i, size) in size.into_iter().enumerate() {
+            let [a, b] = [0.0, size].map(|plane| plane - self.origin[i]);
             if self.inverse[i].is_infinite() {
                 // A face is inside, though it be off by rounding.
-                if a > ROUNDING * size[i] || b < -ROUNDING * size[i] {
+                if a > ROUNDING * size || b < -ROUNDING * size {
                     return None;
                 }
             } else {

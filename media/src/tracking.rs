@@ -42,7 +42,10 @@ impl<S: Spectrum, D: Field<f32>> GridMedium<S, D> {
             let rate = rate(cell);
             let least = f64::from(cell.density.min);
             let mut t = enter;
-            while rate > 0.0 {
+            loop {
+                if rate <= 0.0 {
+                    break;
+                }
                 let left = *depth.get_or_insert_with(|| f64::from(exponential(sampler)));
                 let next = t + left / f64::from(rate);
                 if next >= leave {

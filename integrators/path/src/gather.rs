@@ -91,27 +91,24 @@ where
         }
     }
 
-    /// Light from what ends the segment, towards its start; the walk turned into it at `last`,
-    /// with density `pdf_w`, or `None` if no light sample could have found it.
+    /// Light that `source` sends against a direction; the walk turned into it at `last`, with
+    /// density `pdf_w`, or `None` if no light sample could have found it.
     pub(crate) fn ahead(
         &self,
         last: Vec3,
-        segment: &Segment<H>,
+        source: &Anchor<H::Hit>,
+        direction: Vec3,
         pdf_w: Option<f32>,
     ) -> H::Spectrum {
-        let direction = segment.ray.direction;
-        let light = match &segment.hit {
-            Some(hit) => self.host.emitted(hit, -direction),
-            None => self.host.background(direction),
+        let light = match source {
+            Anchor::Surface(hit) => self.host.emitted(hit, -direction),
+            Anchor::Direction(_) => self.host.background(direction),
+            Anchor::Point(_) => H::Spectrum::default(),
         };
-        let Some(pdf_w) = pdf_w.filter(|_| !light.is_black()) else {
-            return light;
-        };
-        let source = match &segment.hit {
-            Some(hit) => Anchor::Surface(hit.clone()),
-            None => Anchor::Direction(direction),
-        };
-        light * power_heuristic(pdf_w, D::direct_pdf_w(self.host, last, &source))
+        match pdf_w.filter(|_| !light.is_black()) {
+            Some(pdf_w) => light * power_heuristic(pdf_w, D::direct_pdf_w(self.host, last, source)),
+            None => light,
+        }
     }
 
     /// Light that the medium scatters towards the start of the line, after a flight along it;

@@ -42,8 +42,8 @@ pub use densities::{Densities, Mis, UnhittableLights};
 use gather::{Gather, Line};
 use std::marker::PhantomData;
 use tyndall_core::{
-    Geometry, Integrator, LightDirect, Media, Medium, PassContext, PassError, Sampler, SensorRay,
-    Shading, Spectrum, Streams,
+    Anchor, Geometry, Integrator, LightDirect, Media, Medium, PassContext, PassError, Sampler,
+    SensorRay, Shading, Spectrum, Streams,
 };
 use tyndall_walk::{Event, Site, Walk};
 
@@ -162,10 +162,13 @@ where
             if let Some(medium) = medium {
                 radiance += carried * medium.emitted(&segment.ray, sampler);
             }
-            // Light from the end of the segment is attenuated rather than found by those flights
-            // that get there.
-            let ahead = gather.ahead(last, &segment, pdf_w);
-            if !ahead.is_black() {
+            // Light of a surface at the end of the segment, a lamp maybe, is attenuated rather than
+            // found by those flights that get there. What comes from infinity is mostly as bright as
+            // what the medium scatters, and with flights that show one or the other the sum is even.
+            let ahead = (segment.hit.as_ref()).map(|hit| Anchor::Surface(hit.clone()));
+            let direction = segment.ray.direction;
+            let ahead = ahead.map(|lamp| gather.ahead(last, &lamp, direction, pdf_w));
+            if let Some(ahead) = ahead.filter(|light| !light.is_black()) {
                 let arriving = medium.map(|medium| medium.transmittance(&segment.ray, sampler));
                 radiance += carried * ahead * arriving.unwrap_or(H::Spectrum::splat(1.0));
             }
@@ -189,7 +192,11 @@ where
             }
             match event {
                 Event::Interface(_) => {}
-                Event::Escape(_) => break,
+                Event::Escape(direction) => {
+                    let sky = Anchor::Direction(direction);
+                    radiance += walk.throughput * gather.ahead(last, &sky, direction, pdf_w);
+                    break;
+                }
                 Event::Scattering(vertex) => {
                     if !self.may_scatter(walk.depth) {
                         break;
