@@ -1,6 +1,6 @@
 //! Any medium of this crate.
 
-use crate::{GridMedium, Homogeneous, Phase, SparseGrid};
+use crate::{GridMedium, Homogeneous, Phase, Procedural, SparseGrid};
 use glam::Vec3;
 use std::ops::ControlFlow;
 use tyndall_core::{Coefficients, FreeFlight, Majorant, Medium, Ray, Sampler, Spectrum};
@@ -14,6 +14,8 @@ pub enum AnyMedium<S> {
     Grid(Box<GridMedium<S>>),
     /// A sparse density grid.
     Sparse(Box<GridMedium<S, SparseGrid>>),
+    /// A density that the host computes.
+    Procedural(Box<GridMedium<S, Procedural>>),
 }
 
 /// Calls the same method of whichever medium it is.
@@ -23,6 +25,7 @@ macro_rules! forward {
             AnyMedium::Homogeneous($medium) => $call,
             AnyMedium::Grid($medium) => $call,
             AnyMedium::Sparse($medium) => $call,
+            AnyMedium::Procedural($medium) => $call,
         }
     };
 }

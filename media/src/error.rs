@@ -1,5 +1,6 @@
 //! What is wrong with the numbers of a medium.
 
+use glam::Vec3;
 use thiserror::Error;
 
 /// Why a medium or a phase function could not be made.
@@ -109,6 +110,42 @@ pub enum MediumError {
         /// Its value.
         value: f32,
     },
+    /// The bound of a procedural field is negative or not finite.
+    #[error(
+        "`majorant` of a procedural field is {value} in channel {channel}; make it finite and at least 0"
+    )]
+    Majorant {
+        /// The first bad channel.
+        channel: usize,
+        /// Its value.
+        value: f32,
+    },
+    /// A procedural field has no cells, or too many.
+    #[error(
+        "`resolution` of the bounds of a procedural field is {} x {} x {}; make it 1 to {limit} cells",
+        .resolution[0], .resolution[1], .resolution[2], limit = MediumError::MOST_CELLS
+    )]
+    Cells {
+        /// Cells along each axis.
+        resolution: [usize; 3],
+    },
+    /// A procedural field leaves the bounds that are stated for it.
+    #[error(
+        "a procedural field is {value} in channel {channel} at {at}, where it is bounded by {least} \
+         and {most}; widen its bounds (to what is finite and at least 0)"
+    )]
+    Overrun {
+        /// The first bad channel.
+        channel: usize,
+        /// Its value.
+        value: f32,
+        /// Where.
+        at: Vec3,
+        /// The lower bound there.
+        least: f32,
+        /// The upper bound there.
+        most: f32,
+    },
     /// An albedo is above 1 somewhere.
     #[error("the albedo reaches {value} in channel {channel}; make it at most 1 everywhere")]
     Albedo {
@@ -122,4 +159,6 @@ pub enum MediumError {
 impl MediumError {
     /// Mean free paths across a grid from which on it is [`MediumError::TooDense`].
     pub const DENSEST: f32 = 1e7;
+    /// Cells of a procedural field from which on it has too many: [`MediumError::Cells`].
+    pub const MOST_CELLS: usize = 1 << 24;
 }

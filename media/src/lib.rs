@@ -3,9 +3,9 @@
 //! | medium | free flight | transmittance | coefficients |
 //! |---|---|---|---|
 //! | [`Homogeneous`] | closed form | closed form | constant, per channel |
-//! | [`GridMedium`] | delta tracking | ratio tracking, or closed form | density grid × constant, with optional albedo and emission grids |
+//! | [`GridMedium`] | delta tracking | ratio tracking, or closed form | density × constant, with optional albedo and emission, each a [`Field`]: [`DenseGrid`], [`SparseGrid`] or [`Procedural`] |
 //!
-//! [`AnyMedium`] is either. [`Phase`] holds the phase functions; [`plume`] makes a smoke to try.
+//! [`AnyMedium`] is any of them. [`Phase`] holds the phase functions; [`plume`] makes a smoke to try.
 //!
 //! # Channels
 //! A distance is sampled for all channels at once: its density is the mean of the channels'
@@ -31,6 +31,7 @@ mod lattice;
 mod majorant;
 mod phase;
 mod plume;
+mod procedural;
 mod sparse;
 mod tracking;
 
@@ -42,6 +43,7 @@ pub use grid_medium::{GridMedium, Tracking};
 pub use homogeneous::Homogeneous;
 pub use phase::{Blend, HenyeyGreenstein, Phase, Rayleigh, Tabulated};
 pub use plume::plume;
+pub use procedural::Procedural;
 pub use sparse::{Piece, Precision, SparseBuilder, SparseGrid, Statistics, Tile, TileSize};
 
 /// The example of the README compiles.
