@@ -1,6 +1,6 @@
 //! Any medium of this crate.
 
-use crate::{GridMedium, Homogeneous, Phase, Procedural, SparseGrid};
+use crate::{Atmosphere, GridMedium, Homogeneous, Phase, Procedural, SparseGrid};
 use glam::Vec3;
 use std::ops::ControlFlow;
 use tyndall_core::{Coefficients, FreeFlight, Majorant, Medium, Ray, Sampler, Spectrum};
@@ -10,6 +10,8 @@ use tyndall_core::{Coefficients, FreeFlight, Majorant, Medium, Ray, Sampler, Spe
 pub enum AnyMedium<S> {
     /// The same everywhere.
     Homogeneous(Homogeneous<S>),
+    /// Thinner with height.
+    Atmosphere(Atmosphere<S>),
     /// A density grid.
     Grid(Box<GridMedium<S>>),
     /// A sparse density grid.
@@ -23,6 +25,7 @@ macro_rules! forward {
     ($self:ident, $medium:ident => $call:expr) => {
         match $self {
             AnyMedium::Homogeneous($medium) => $call,
+            AnyMedium::Atmosphere($medium) => $call,
             AnyMedium::Grid($medium) => $call,
             AnyMedium::Sparse($medium) => $call,
             AnyMedium::Procedural($medium) => $call,

@@ -110,6 +110,20 @@ pub enum MediumError {
         /// Its value.
         value: f32,
     },
+    /// The scale height of an atmosphere is not a length.
+    #[error("`scale_height` of an atmosphere is {scale_height}; make it positive and finite")]
+    ScaleHeight {
+        /// The scale height asked for.
+        scale_height: f32,
+    },
+    /// An atmosphere is nowhere.
+    #[error("`{field}` of an atmosphere is {value}; make it finite, and `up` longer than 0")]
+    Placement {
+        /// Which vector.
+        field: &'static str,
+        /// Its value.
+        value: Vec3,
+    },
     /// The bound of a procedural field is negative or not finite.
     #[error(
         "`majorant` of a procedural field is {value} in channel {channel}; make it finite and at least 0"

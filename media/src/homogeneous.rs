@@ -1,8 +1,6 @@
 //! A medium that is the same everywhere.
 
-use crate::channels::{
-    channel_pmf, check_coefficients, choose_channel, exponential, smallest_sampled,
-};
+use crate::channels::{channel_pmf, check_coefficients, choose_channel, exponential, weight};
 use crate::{MediumError, Phase};
 use glam::Vec3;
 use std::ops::ControlFlow;
@@ -62,21 +60,6 @@ impl<S: Spectrum> Homogeneous<S> {
             }
         })
     }
-}
-
-/// factor·e^{−τ} over its mean over the sampled channels, none of which has 0/0: the smallest
-/// exponent of those is taken out first. 0 in channels that are not sampled.
-#[inline]
-fn weight<S: Spectrum>(factor: S, tau: S, pmf: S) -> S {
-    let least = smallest_sampled(tau, pmf);
-    let relative = S::from_channels(|c| {
-        if pmf.channel(c) > 0.0 {
-            factor.channel(c) * (least - tau.channel(c)).exp()
-        } else {
-            0.0
-        }
-    });
-    relative / (relative * pmf).sum()
 }
 
 impl<S: Spectrum> Medium for Homogeneous<S> {

@@ -3,6 +3,7 @@
 //! | medium | free flight | transmittance | coefficients |
 //! |---|---|---|---|
 //! | [`Homogeneous`] | closed form | closed form | constant, per channel |
+//! | [`Atmosphere`] | closed form | closed form | constant × e^(−height/H), per channel |
 //! | [`GridMedium`] | delta tracking | ratio tracking, or closed form | density × constant, with optional albedo and emission, each a [`Field`]: [`DenseGrid`], [`SparseGrid`] or [`Procedural`] |
 //!
 //! [`AnyMedium`] is any of them. [`Phase`] holds the phase functions; [`plume`] makes a smoke to try.
@@ -21,6 +22,7 @@
 #![forbid(unsafe_code)]
 
 mod any;
+mod atmosphere;
 mod channels;
 mod error;
 mod field;
@@ -36,6 +38,7 @@ mod sparse;
 mod tracking;
 
 pub use any::AnyMedium;
+pub use atmosphere::Atmosphere;
 pub use error::MediumError;
 pub use field::{Cells, Field, Hint, Range, Region};
 pub use grid::{DenseGrid, Filter};
