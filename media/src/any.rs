@@ -1,6 +1,6 @@
 //! Any medium of this crate.
 
-use crate::{Atmosphere, GridMedium, Homogeneous, Phase, Procedural, SparseGrid};
+use crate::{AnyPhase, Atmosphere, GridMedium, Homogeneous, Overlap, Procedural, SparseGrid};
 use glam::Vec3;
 use std::ops::ControlFlow;
 use tyndall_core::{Coefficients, FreeFlight, Majorant, Medium, Ray, Sampler, Spectrum};
@@ -18,6 +18,8 @@ pub enum AnyMedium<S> {
     Sparse(Box<GridMedium<S, SparseGrid>>),
     /// A density that the host computes.
     Procedural(Box<GridMedium<S, Procedural>>),
+    /// Several in the same place.
+    Overlap(Overlap<S>),
 }
 
 /// Calls the same method of whichever medium it is.
@@ -29,13 +31,41 @@ macro_rules! forward {
             AnyMedium::Grid($medium) => $call,
             AnyMedium::Sparse($medium) => $call,
             AnyMedium::Procedural($medium) => $call,
+            AnyMedium::Overlap($medium) => $call,
         }
     };
 }
 
+impl<S: Spectrum> AnyMedium<S> {
+    /// Whether free flights are tracked step by step, not by a closed form.
+    pub(crate) fn is_tracked(&self) -> bool {
+        !matches!(self, Self::Homogeneous(_) | Self::Atmosphere(_))
+    }
+
+    /// Whether it emits.
+    pub(crate) fn emits(&self) -> bool {
+        forward!(self, medium => medium.emits())
+    }
+
+    /// The transmittance of a ray, exact where there is a closed form, else near it.
+    pub(crate) fn mean_transmittance(&self, ray: &Ray) -> S {
+        forward!(self, medium => medium.mean_transmittance(ray))
+    }
+
+    /// All stretches of [`Medium::majorants`].
+    pub(crate) fn stretches(&self, ray: &Ray) -> Vec<Majorant> {
+        let mut stretches = Vec::new();
+        self.majorants(ray, |stretch| {
+            stretches.push(stretch);
+            ControlFlow::Continue(())
+        });
+        stretches
+    }
+}
+
 impl<S: Spectrum> Medium for AnyMedium<S> {
     type Spectrum = S;
-    type Phase<'a> = &'a Phase;
+    type Phase<'a> = AnyPhase<'a>;
 
     #[inline]
     fn coefficients(&self, p: Vec3) -> Coefficients<S> {
@@ -43,8 +73,8 @@ impl<S: Spectrum> Medium for AnyMedium<S> {
     }
 
     #[inline]
-    fn phase(&self, p: Vec3) -> &Phase {
-        forward!(self, medium => medium.phase(p))
+    fn phase(&self, p: Vec3) -> AnyPhase<'_> {
+        forward!(self, medium => medium.phase(p).into())
     }
 
     #[inline]

@@ -138,9 +138,14 @@ impl<S: Spectrum> Atmosphere<S> {
         (self.coefficients.sigma_t()).map(|sigma_t| depth(sigma_t, mass) as f32)
     }
 
+    /// Whether it emits.
+    pub(crate) fn emits(&self) -> bool {
+        !self.coefficients.emission.is_black()
+    }
+
     /// Transmittance of the ray.
     #[inline]
-    fn transmitted(&self, ray: &Ray) -> S {
+    pub(crate) fn mean_transmittance(&self, ray: &Ray) -> S {
         let mass = self.column(ray).mass(ray.t_max.into());
         self.optical_depth(mass).map(|tau| (-tau).exp())
     }
@@ -172,15 +177,15 @@ impl<S: Spectrum> Medium for Atmosphere<S> {
 
     #[inline]
     fn transmittance(&self, ray: &Ray, _: &mut impl Sampler) -> S {
-        self.transmitted(ray)
+        self.mean_transmittance(ray)
     }
 
     /// emission·(1 − e^{−τ})/σt, with the coefficients at the origin of the atmosphere.
     fn emitted(&self, ray: &Ray, _: &mut impl Sampler) -> S {
-        let Coefficients { emission, .. } = self.coefficients;
-        if emission.is_black() {
+        if !self.emits() {
             return S::default();
         }
+        let Coefficients { emission, .. } = self.coefficients;
         let mass = self.column(ray).mass(ray.t_max.into());
         emission.zip(self.coefficients.sigma_t(), |emission, sigma_t| {
             let tau = depth(sigma_t, mass);
@@ -243,7 +248,7 @@ impl<S: Spectrum> Medium for Atmosphere<S> {
     }
 
     fn pmf_passing(&self, ray: &Ray, importance: S) -> f32 {
-        (channel_pmf(importance) * self.transmitted(ray)).sum()
+        (channel_pmf(importance) * self.mean_transmittance(ray)).sum()
     }
 
     /// Stretches over which the density changes by a factor of 2, from where it is no longer 0 in

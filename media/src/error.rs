@@ -110,6 +110,9 @@ pub enum MediumError {
         /// Its value.
         value: f32,
     },
+    /// An overlap of no media.
+    #[error("an overlap needs a medium; give it at least one")]
+    NoMedia,
     /// The scale height of an atmosphere is not a length.
     #[error("`scale_height` of an atmosphere is {scale_height}; make it positive and finite")]
     ScaleHeight {

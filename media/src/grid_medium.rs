@@ -142,8 +142,13 @@ impl<S: Spectrum, D: Field<f32>> GridMedium<S, D> {
         &self.density
     }
 
+    /// Whether it emits.
+    pub(crate) fn emits(&self) -> bool {
+        self.emission.is_some() || !self.per_density.emission.is_black()
+    }
+
     /// What the mean densities of the majorant cells on the way let through.
-    fn mean_transmittance(&self, ray: &Ray) -> S {
+    pub(crate) fn mean_transmittance(&self, ray: &Ray) -> S {
         let mut column = 0.0;
         let _ = self.walk(ray, |enter, leave, cell| {
             column += (leave - enter) * f64::from(cell.density.mean);
@@ -287,7 +292,7 @@ impl<S: Spectrum, D: Field<f32>> Medium for GridMedium<S, D> {
     }
 
     fn emitted(&self, ray: &Ray, sampler: &mut impl Sampler) -> S {
-        if self.emission.is_none() && self.per_density.emission.is_black() {
+        if !self.emits() {
             return S::default();
         }
         self.emission_track(ray, sampler)

@@ -49,6 +49,17 @@ impl<S: Spectrum> Homogeneous<S> {
         })
     }
 
+    /// Whether it emits.
+    pub(crate) fn emits(&self) -> bool {
+        !self.coefficients.emission.is_black()
+    }
+
+    /// Transmittance of the ray.
+    #[inline]
+    pub(crate) fn mean_transmittance(&self, ray: &Ray) -> S {
+        self.optical_depth(ray.t_max).map(|tau| (-tau).exp())
+    }
+
     /// σt·`distance`, with 0·∞ = 0.
     #[inline]
     fn optical_depth(&self, distance: f32) -> S {
@@ -78,7 +89,7 @@ impl<S: Spectrum> Medium for Homogeneous<S> {
 
     #[inline]
     fn transmittance(&self, ray: &Ray, _: &mut impl Sampler) -> S {
-        self.optical_depth(ray.t_max).map(|tau| (-tau).exp())
+        self.mean_transmittance(ray)
     }
 
     /// emission·(1 − e^{−σt·s})/σt over the length s of the ray.
@@ -129,14 +140,13 @@ impl<S: Spectrum> Medium for Homogeneous<S> {
         if !(0.0..ray.t_max).contains(&t) {
             return 0.0;
         }
-        let transmittance = self.optical_depth(t).map(|tau| (-tau).exp());
+        let transmittance = self.mean_transmittance(&ray.up_to(t));
         (channel_pmf(importance) * self.coefficients.sigma_t() * transmittance).sum()
     }
 
     #[inline]
     fn pmf_passing(&self, ray: &Ray, importance: S) -> f32 {
-        let transmittance = self.optical_depth(ray.t_max).map(|tau| (-tau).exp());
-        (channel_pmf(importance) * transmittance).sum()
+        (channel_pmf(importance) * self.mean_transmittance(ray)).sum()
     }
 
     fn majorants(&self, ray: &Ray, mut visit: impl FnMut(Majorant) -> ControlFlow<()>) {

@@ -5,6 +5,7 @@
 //! | [`Homogeneous`] | closed form | closed form | constant, per channel |
 //! | [`Atmosphere`] | closed form | closed form | constant × e^(−height/H), per channel |
 //! | [`GridMedium`] | delta tracking | ratio tracking, or closed form | density × constant, with optional albedo and emission, each a [`Field`]: [`DenseGrid`], [`SparseGrid`] or [`Procedural`] |
+//! | [`Overlap`] | the first of several | product | sum of several |
 //!
 //! [`AnyMedium`] is any of them. [`Phase`] holds the phase functions; [`plume`] makes a smoke to try.
 //!
@@ -31,6 +32,7 @@ mod grid_medium;
 mod homogeneous;
 mod lattice;
 mod majorant;
+mod overlap;
 mod phase;
 mod plume;
 mod procedural;
@@ -44,7 +46,8 @@ pub use field::{Cells, Field, Hint, Range, Region};
 pub use grid::{DenseGrid, Filter};
 pub use grid_medium::{GridMedium, Tracking};
 pub use homogeneous::Homogeneous;
-pub use phase::{Blend, HenyeyGreenstein, Phase, Rayleigh, Tabulated};
+pub use overlap::Overlap;
+pub use phase::{AnyPhase, Blend, HenyeyGreenstein, Mixture, Phase, Rayleigh, Tabulated};
 pub use plume::plume;
 pub use procedural::Procedural;
 pub use sparse::{Piece, Precision, SparseBuilder, SparseGrid, Statistics, Tile, TileSize};
