@@ -222,6 +222,8 @@ impl<S: Spectrum> Medium for Atmosphere<S> {
         if chosen > 0.0 && mass < total {
             let t = (column.distance(mass) as f32).min(ray.t_max.next_down());
             let coefficients = self.coefficients_at(column.log_density(t.into()));
+            // A channel of no extinction has no weight, and must not set the scale of the others'.
+            let pmf = pmf.zip(sigma_t, |p, sigma_t| if sigma_t > 0.0 { p } else { 0.0 });
             return FreeFlight {
                 weight: weight(sigma_t, self.optical_depth(mass), pmf),
                 collision: Some(Collision { t, coefficients }),

@@ -59,10 +59,9 @@ fn smallest_sampled<S: Spectrum>(values: S, pmf: S) -> f32 {
 /// exponent of those is taken out first. 0 in channels that are not sampled.
 #[inline]
 pub(crate) fn weight<S: Spectrum>(factor: S, tau: S, pmf: S) -> S {
-    let seen = pmf.zip(factor, |p, f| if f > 0.0 { p } else { 0.0 });
-    let least = smallest_sampled(tau, seen);
+    let least = smallest_sampled(tau, pmf);
     let relative = S::from_channels(|c| {
-        if seen.channel(c) > 0.0 {
+        if pmf.channel(c) > 0.0 {
             factor.channel(c) * (least - tau.channel(c)).exp()
         } else {
             0.0

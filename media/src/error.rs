@@ -110,6 +110,27 @@ pub enum MediumError {
         /// Its value.
         value: f32,
     },
+    /// A temperature that no black body is tabulated at.
+    #[error(
+        "a black body of {temperature} K has no luminance to be relative to; make it 500 to 1e5 K"
+    )]
+    Temperature {
+        /// The temperature asked for, K.
+        temperature: f32,
+    },
+    /// The function of a mapped field falls, or has no finite value.
+    #[error(
+        "the function of a mapped field is {value} in channel {channel} after {before}; make it \
+         finite, at least 0, and never fall where its argument rises"
+    )]
+    Falling {
+        /// The first bad channel.
+        channel: usize,
+        /// Its value.
+        value: f32,
+        /// Its value for a smaller argument.
+        before: f32,
+    },
     /// An overlap of no media.
     #[error("an overlap needs a medium; give it at least one")]
     NoMedia,

@@ -4,10 +4,10 @@
 //! |---|---|---|---|
 //! | [`Homogeneous`] | closed form | closed form | constant, per channel |
 //! | [`Atmosphere`] | closed form | closed form | constant × e^(−height/H), per channel |
-//! | [`GridMedium`] | delta tracking | ratio tracking, or closed form | density × constant, with optional albedo and emission, each a [`Field`]: [`DenseGrid`], [`SparseGrid`] or [`Procedural`] |
+//! | [`GridMedium`] | delta tracking | ratio tracking, or closed form | density × constant, with optional albedo and emission, each a [`Field`]: [`DenseGrid`], [`SparseGrid`], [`Procedural`] or [`Mapped`] |
 //! | [`Overlap`] | the first of several | product | sum of several |
 //!
-//! [`AnyMedium`] is any of them. [`Phase`] holds the phase functions; [`plume`] makes a smoke to try.
+//! [`AnyMedium`] is any of them. [`BlackBody`] is the light of fire. [`Phase`] holds the phase functions; [`plume`] makes a smoke to try.
 //!
 //! # Channels
 //! A distance is sampled for all channels at once: its density is the mean of the channels'
@@ -24,6 +24,7 @@
 
 mod any;
 mod atmosphere;
+mod black_body;
 mod channels;
 mod error;
 mod field;
@@ -32,6 +33,7 @@ mod grid_medium;
 mod homogeneous;
 mod lattice;
 mod majorant;
+mod mapped;
 mod overlap;
 mod phase;
 mod plume;
@@ -41,11 +43,13 @@ mod tracking;
 
 pub use any::AnyMedium;
 pub use atmosphere::Atmosphere;
+pub use black_body::BlackBody;
 pub use error::MediumError;
 pub use field::{Cells, Field, Hint, Range, Region};
 pub use grid::{DenseGrid, Filter};
 pub use grid_medium::{GridMedium, Tracking};
 pub use homogeneous::Homogeneous;
+pub use mapped::Mapped;
 pub use overlap::Overlap;
 pub use phase::{AnyPhase, Blend, HenyeyGreenstein, Mixture, Phase, Rayleigh, Tabulated};
 pub use plume::plume;
