@@ -74,7 +74,14 @@ impl<S: Spectrum> Medium for AnyMedium<S> {
 
     #[inline]
     fn phase(&self, p: Vec3) -> AnyPhase<'_> {
-        forward!(self, medium => medium.phase(p).into())
+        AnyPhase::One(match self {
+            Self::Homogeneous(medium) => medium.phase(p),
+            Self::Atmosphere(medium) => medium.phase(p),
+            Self::Grid(medium) => medium.phase(p),
+            Self::Sparse(medium) => medium.phase(p),
+            Self::Procedural(medium) => medium.phase(p),
+            Self::Overlap(medium) => return medium.phase(p),
+        })
     }
 
     #[inline]

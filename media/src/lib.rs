@@ -1,4 +1,5 @@
-//! Participating media: homogeneous and gridded, phase functions, free flight and transmittance.
+//! Participating media: homogeneous, exponential, gridded and overlapping; phase functions, free
+//! flight and transmittance.
 //!
 //! | medium | free flight | transmittance | coefficients |
 //! |---|---|---|---|
@@ -7,7 +8,8 @@
 //! | [`GridMedium`] | delta tracking | ratio tracking, or closed form | density × constant, with optional albedo and emission, each a [`Field`]: [`DenseGrid`], [`SparseGrid`], [`Procedural`] or [`Mapped`] |
 //! | [`Overlap`] | the first of several | product | sum of several |
 //!
-//! [`AnyMedium`] is any of them. [`BlackBody`] is the light of fire. [`Phase`] holds the phase functions; [`plume`] makes a smoke to try.
+//! [`AnyMedium`] is any of them. [`Phase`] holds the phase functions; [`BlackBody`] is the light of
+//! fire; [`plume`] makes a smoke to try.
 //!
 //! # Channels
 //! A distance is sampled for all channels at once: its density is the mean of the channels'

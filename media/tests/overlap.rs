@@ -137,9 +137,9 @@ fn homogeneous_media_add_to_a_homogeneous_medium() {
         (0..3).for_each(|c| glow[c].push(f64::from(emitted.channel(c))));
     }
     let mut cases: Vec<(&str, Estimate, f64)> = Vec::new();
-    for c in 0..3 {
+    for (c, glow) in glow.iter().enumerate() {
         near(same.channel(c), transmitted.channel(c));
-        cases.push(("emitted", glow[c].estimate(), emitted.channel(c).into()));
+        cases.push(("emitted", glow.estimate(), emitted.channel(c).into()));
     }
     check_means(&cases, FALSE_ALARM).unwrap();
 }

@@ -73,16 +73,16 @@ fn estimates_are_unbiased_with_one_bound_and_with_many() {
                 let emitted = medium.emitted(&ray, &mut sampler);
                 let flight = medium.sample_free_flight(&ray, Rgb::splat(1.0), &mut sampler);
                 let passed = if flight.collision.is_none() { 1.0 } else { 0.0 };
-                for c in 0..3 {
-                    moments[c][0].push(f64::from(transmittance.channel(c)));
-                    moments[c][1].push(f64::from(emitted.channel(c)));
-                    moments[c][2].push(f64::from(passed * flight.weight.channel(c)));
+                for (c, moments) in moments.iter_mut().enumerate() {
+                    moments[0].push(f64::from(transmittance.channel(c)));
+                    moments[1].push(f64::from(emitted.channel(c)));
+                    moments[2].push(f64::from(passed * flight.weight.channel(c)));
                 }
             }
-            for c in 0..3 {
+            for (c, moments) in moments.iter().enumerate() {
                 let [a, s] = [sigma_a, sigma_s].map(|sigma| f64::from(sigma.channel(c)));
                 let expected = (-(a + s) * column).exp();
-                let [transmittance, emitted, passed] = moments[c].map(|m| m.estimate());
+                let [transmittance, emitted, passed] = moments.map(|m| m.estimate());
                 cases.push(("transmittance", transmittance, expected));
                 cases.push(("emitted", emitted, (1.0 - expected) * a / (a + s)));
                 cases.push(("passed", passed, expected));

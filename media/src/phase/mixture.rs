@@ -47,13 +47,6 @@ impl<'a> AnyPhase<'a> {
     }
 }
 
-impl<'a> From<&'a Phase> for AnyPhase<'a> {
-    #[inline]
-    fn from(phase: &'a Phase) -> Self {
-        Self::One(phase)
-    }
-}
-
 impl PhaseFunction for Mixture<'_> {
     fn eval(&self, wo: Vec3, wi: Vec3) -> f32 {
         blend::eval(&self.components, wo, wi)
