@@ -186,6 +186,11 @@ fn free_flights_are_unbiased_in_every_channel() {
             let conserved = (importance * flight.weight).sum() / importance.sum();
             assert!((conserved - 1.0).abs() < 1e-5, "{flight:?}");
             let t = flight.collision.map(|collision| collision.t);
+            if let Some(collision) = flight.collision {
+                let here = overlap.coefficients(across().at(collision.t)).sigma_t();
+                let error = collision.coefficients.sigma_t() - here;
+                assert!(error.map(f32::abs).max_channel() < 1e-5, "{flight:?}");
+            }
             let albedo = flight
                 .collision
                 .map(|c| c.coefficients.albedo())
