@@ -40,7 +40,7 @@ pub(crate) fn exponential(sampler: &mut impl Sampler) -> f32 {
     const EDGE: f32 = 1.0 / 1024.0;
     let u = sampler.next_1d();
     if (EDGE..1.0 - EDGE).contains(&u) {
-        return -(-u).ln_1p();
+        return -(1.0 - u).ln(); // 1 − u is exact
     }
     let fine = f64::from(u) + f64::from(sampler.next_1d()) / f64::from(1 << 24);
     -(-fine).ln_1p() as f32

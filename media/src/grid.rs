@@ -3,7 +3,7 @@
 use crate::MediumError;
 use crate::field::{Cells, Field, Hint, Range, Region};
 use crate::lattice::{Lattice, clip, counts};
-use glam::{DAffine3, DVec3, IVec3, Vec3};
+use glam::{DAffine3, DVec3, Vec3};
 use std::ops::ControlFlow;
 use tyndall_core::{Aabb, Ray, Spectrum};
 
@@ -118,11 +118,11 @@ impl<T: Spectrum> DenseGrid<T> {
         let p = p.clamp(self.bounds.min, self.bounds.max);
         let x = (p - self.bounds.min) * self.scale;
         match self.filter {
-            Filter::Nearest => self.voxel(x.floor().as_ivec3().to_array()),
+            // x is not negative: truncation is `floor`, which is a call on many targets.
+            Filter::Nearest => self.voxel(x.as_ivec3().to_array()),
             Filter::Trilinear => {
-                let x = x - 0.5;
-                let base = x.floor();
-                self.interpolate(base.as_ivec3().to_array(), x - base)
+                let base = (x + 0.5).as_ivec3() - 1;
+                self.interpolate(base.to_array(), x - 0.5 - base.as_vec3())
             }
         }
     }
@@ -291,7 +291,7 @@ impl<T: Spectrum> Field<T> for DenseGrid<T> {
         let place = DAffine3::from_translation(self.bounds.min.as_dvec3());
         Cells {
             to_world: place * DAffine3::from_scale(CELL as f64 * voxel),
-            count: IVec3::from(self.resolution.map(|n| n.div_ceil(CELL) as i32)),
+            size: counts(self.resolution).as_dvec3() / CELL as f64,
         }
     }
 }

@@ -237,6 +237,14 @@ impl<T: Spectrum> SparseGrid<T> {
     }
 }
 
+/// The greatest whole numbers not above; without `f64::floor`, which is a call on many targets.
+#[inline]
+fn floor(x: DVec3) -> IVec3 {
+    let toward_zero = x.as_ivec3();
+    let above = toward_zero.as_dvec3().cmpgt(x);
+    toward_zero.saturating_sub(IVec3::select(above, IVec3::ONE, IVec3::ZERO))
+}
+
 /// The corners of a cube, x slowest.
 const CORNERS: [[i32; 3]; 8] = [
     [0, 0, 0],
@@ -258,10 +266,10 @@ impl<T: Spectrum> Field<T> for SparseGrid<T> {
     fn lookup(&self, p: Vec3, hint: &mut Hint) -> T {
         let x = self.to_index.transform_point3(p.as_dvec3());
         match self.filter {
-            Filter::Nearest => self.near((x + 0.5).floor().as_ivec3(), hint),
+            Filter::Nearest => self.near(floor(x + 0.5), hint),
             Filter::Trilinear => {
-                let base = x.floor();
-                self.interpolate(base.as_ivec3(), (x - base).as_vec3(), hint)
+                let base = floor(x);
+                self.interpolate(base, (x - base.as_dvec3()).as_vec3(), hint)
             }
         }
     }
@@ -301,11 +309,11 @@ impl<T: Spectrum> Field<T> for SparseGrid<T> {
             .unwrap_or([IVec3::ZERO; 2])
             .map(|i| i.as_dvec3());
         let first = ((first - 1.0) / leaf).floor();
-        let count = ((last + 1.0) / leaf).floor() - first + 1.0;
+        let size = ((last + 1.0) / leaf).floor() - first + 1.0;
         let corner = DAffine3::from_translation(leaf * first - 0.5);
         Cells {
             to_world: self.to_world * corner * DAffine3::from_scale(DVec3::splat(leaf)),
-            count: count.as_ivec3(),
+            size,
         }
     }
 }
