@@ -1,6 +1,6 @@
 //! Any medium of this crate.
 
-use crate::{GridMedium, Homogeneous, Phase, SparseGrid};
+use crate::{AnyPhase, Atmosphere, GridMedium, Homogeneous, Overlap, Procedural, SparseGrid};
 use glam::Vec3;
 use std::ops::ControlFlow;
 use tyndall_core::{Coefficients, FreeFlight, Majorant, Medium, Ray, Sampler, Spectrum};
@@ -10,10 +10,16 @@ use tyndall_core::{Coefficients, FreeFlight, Majorant, Medium, Ray, Sampler, Spe
 pub enum AnyMedium<S> {
     /// The same everywhere.
     Homogeneous(Homogeneous<S>),
+    /// Thinner with height.
+    Atmosphere(Atmosphere<S>),
     /// A density grid.
     Grid(Box<GridMedium<S>>),
     /// A sparse density grid.
     Sparse(Box<GridMedium<S, SparseGrid>>),
+    /// A density that the host computes.
+    Procedural(Box<GridMedium<S, Procedural>>),
+    /// Several in the same place.
+    Overlap(Overlap<S>),
 }
 
 /// Calls the same method of whichever medium it is.
@@ -21,15 +27,45 @@ macro_rules! forward {
     ($self:ident, $medium:ident => $call:expr) => {
         match $self {
             AnyMedium::Homogeneous($medium) => $call,
+            AnyMedium::Atmosphere($medium) => $call,
             AnyMedium::Grid($medium) => $call,
             AnyMedium::Sparse($medium) => $call,
+            AnyMedium::Procedural($medium) => $call,
+            AnyMedium::Overlap($medium) => $call,
         }
     };
 }
 
+impl<S: Spectrum> AnyMedium<S> {
+    /// Whether free flights are tracked step by step, not by a closed form.
+    pub(crate) fn is_tracked(&self) -> bool {
+        !matches!(self, Self::Homogeneous(_) | Self::Atmosphere(_))
+    }
+
+    /// Whether it emits.
+    pub(crate) fn emits(&self) -> bool {
+        forward!(self, medium => medium.emits())
+    }
+
+    /// The transmittance of a ray, exact where there is a closed form, else near it.
+    pub(crate) fn mean_transmittance(&self, ray: &Ray) -> S {
+        forward!(self, medium => medium.mean_transmittance(ray))
+    }
+
+    /// All stretches of [`Medium::majorants`].
+    pub(crate) fn stretches(&self, ray: &Ray) -> Vec<Majorant> {
+        let mut stretches = Vec::new();
+        self.majorants(ray, |stretch| {
+            stretches.push(stretch);
+            ControlFlow::Continue(())
+        });
+        stretches
+    }
+}
+
 impl<S: Spectrum> Medium for AnyMedium<S> {
     type Spectrum = S;
-    type Phase<'a> = &'a Phase;
+    type Phase<'a> = AnyPhase<'a>;
 
     #[inline]
     fn coefficients(&self, p: Vec3) -> Coefficients<S> {
@@ -37,8 +73,15 @@ impl<S: Spectrum> Medium for AnyMedium<S> {
     }
 
     #[inline]
-    fn phase(&self, p: Vec3) -> &Phase {
-        forward!(self, medium => medium.phase(p))
+    fn phase(&self, p: Vec3) -> AnyPhase<'_> {
+        AnyPhase::One(match self {
+            Self::Homogeneous(medium) => medium.phase(p),
+            Self::Atmosphere(medium) => medium.phase(p),
+            Self::Grid(medium) => medium.phase(p),
+            Self::Sparse(medium) => medium.phase(p),
+            Self::Procedural(medium) => medium.phase(p),
+            Self::Overlap(medium) => return medium.phase(p),
+        })
     }
 
     #[inline]

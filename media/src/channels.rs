@@ -48,11 +48,26 @@ pub(crate) fn exponential(sampler: &mut impl Sampler) -> f32 {
 
 /// The smallest of `values` among the channels where `pmf` is positive.
 #[inline]
-pub(crate) fn smallest_sampled<S: Spectrum>(values: S, pmf: S) -> f32 {
+fn smallest_sampled<S: Spectrum>(values: S, pmf: S) -> f32 {
     (0..S::CHANNELS)
         .filter(|&c| pmf.channel(c) > 0.0)
         .map(|c| values.channel(c))
         .fold(f32::INFINITY, f32::min)
+}
+
+/// factor·e^{−τ} over its mean over the sampled channels, none of which has 0/0: the smallest
+/// exponent of those is taken out first. 0 in channels that are not sampled.
+#[inline]
+pub(crate) fn weight<S: Spectrum>(factor: S, tau: S, pmf: S) -> S {
+    let least = smallest_sampled(tau, pmf);
+    let relative = S::from_channels(|c| {
+        if pmf.channel(c) > 0.0 {
+            factor.channel(c) * (least - tau.channel(c)).exp()
+        } else {
+            0.0
+        }
+    });
+    relative / (relative * pmf).sum()
 }
 
 /// Checks that coefficients are finite, at least 0, and add to a finite extinction.

@@ -1,5 +1,6 @@
 //! What is wrong with the numbers of a medium.
 
+use glam::Vec3;
 use thiserror::Error;
 
 /// Why a medium or a phase function could not be made.
@@ -109,6 +110,80 @@ pub enum MediumError {
         /// Its value.
         value: f32,
     },
+    /// A temperature that no black body is tabulated at.
+    #[error(
+        "a black body of {temperature} K has no luminance to be relative to; make it 500 to 1e5 K"
+    )]
+    Temperature {
+        /// The temperature asked for, K.
+        temperature: f32,
+    },
+    /// The function of a mapped field falls, or has no finite value.
+    #[error(
+        "the function of a mapped field is {value} in channel {channel} after {before}; make it \
+         finite, at least 0, and never fall where its argument rises"
+    )]
+    Falling {
+        /// The first bad channel.
+        channel: usize,
+        /// Its value.
+        value: f32,
+        /// Its value for a smaller argument.
+        before: f32,
+    },
+    /// An overlap of no media.
+    #[error("an overlap needs a medium; give it at least one")]
+    NoMedia,
+    /// The scale height of an atmosphere is not a length.
+    #[error("`scale_height` of an atmosphere is {scale_height}; make it positive and finite")]
+    ScaleHeight {
+        /// The scale height asked for.
+        scale_height: f32,
+    },
+    /// An atmosphere is nowhere.
+    #[error("`{field}` of an atmosphere is {value}; make it finite, and `up` longer than 0")]
+    Placement {
+        /// Which vector.
+        field: &'static str,
+        /// Its value.
+        value: Vec3,
+    },
+    /// The bound of a procedural field is negative or not finite.
+    #[error(
+        "`majorant` of a procedural field is {value} in channel {channel}; make it finite and at least 0"
+    )]
+    Majorant {
+        /// The first bad channel.
+        channel: usize,
+        /// Its value.
+        value: f32,
+    },
+    /// A procedural field has no cells, or too many.
+    #[error(
+        "`resolution` of the bounds of a procedural field is {} x {} x {}; make it 1 to {limit} cells",
+        .resolution[0], .resolution[1], .resolution[2], limit = MediumError::MOST_CELLS
+    )]
+    Cells {
+        /// Cells along each axis.
+        resolution: [usize; 3],
+    },
+    /// A procedural field leaves the bounds that are stated for it.
+    #[error(
+        "a procedural field is {value} in channel {channel} at {at}, where it is bounded by {least} \
+         and {most}; widen its bounds (to what is finite and at least 0)"
+    )]
+    Overrun {
+        /// The first bad channel.
+        channel: usize,
+        /// Its value.
+        value: f32,
+        /// Where.
+        at: Vec3,
+        /// The lower bound there.
+        least: f32,
+        /// The upper bound there.
+        most: f32,
+    },
     /// An albedo is above 1 somewhere.
     #[error("the albedo reaches {value} in channel {channel}; make it at most 1 everywhere")]
     Albedo {
@@ -122,4 +197,6 @@ pub enum MediumError {
 impl MediumError {
     /// Mean free paths across a grid from which on it is [`MediumError::TooDense`].
     pub const DENSEST: f32 = 1e7;
+    /// Cells of a procedural field from which on it has too many: [`MediumError::Cells`].
+    pub const MOST_CELLS: usize = 1 << 24;
 }

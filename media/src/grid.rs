@@ -52,11 +52,8 @@ impl<T: Spectrum> DenseGrid<T> {
     /// [`MediumError::GridBounds`] if the box has no volume, [`MediumError::GridValues`] if the
     /// number of values is wrong or zero, [`MediumError::Voxel`] if one is negative or not finite.
     pub fn new(resolution: [usize; 3], bounds: Aabb, values: Vec<T>) -> Result<Self, MediumError> {
-        let size = bounds.size();
-        let scale = counts(resolution) / size;
-        let has_volume =
-            size.cmpgt(Vec3::splat(1e-18)).all() && size.cmplt(Vec3::splat(1e18)).all();
-        if !(has_volume && scale.is_finite()) {
+        let scale = counts(resolution) / bounds.size();
+        if !(has_volume(bounds) && scale.is_finite()) {
             return Err(MediumError::GridBounds);
         }
         let voxels = resolution
@@ -297,6 +294,12 @@ impl<T: Spectrum> Field<T> for DenseGrid<T> {
             size: counts(self.resolution).as_dvec3() / CELL as f64,
         }
     }
+}
+
+/// Whether a box has a volume that numbers can hold.
+pub(crate) fn has_volume(bounds: Aabb) -> bool {
+    let size = bounds.size();
+    size.cmpgt(Vec3::splat(1e-18)).all() && size.cmplt(Vec3::splat(1e18)).all()
 }
 
 /// The largest of `values`, which are at least 0, in each channel.

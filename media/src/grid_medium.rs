@@ -38,11 +38,20 @@ pub struct GridMedium<S, D = DenseGrid> {
     density: D,
     per_density: Coefficients<S>,
     albedo: Option<Arc<dyn Field<S>>>,
-    emission: Option<Arc<dyn Field<S>>>,
+    glow: Option<Glow<S>>,
     phase: Phase,
     /// ∫ density dt, where transmittance is to be found by it.
     regular: Option<fn(&D, &Ray) -> f64>,
     majorants: Majorants,
+}
+
+/// What a medium emits, where that has a field of its own.
+#[derive(Clone, Debug)]
+enum Glow<S> {
+    /// Emission, W·sr⁻¹·m⁻² per scene unit.
+    Emission(Arc<dyn Field<S>>),
+    /// Emission over σa, W·sr⁻¹·m⁻².
+    Source(Arc<dyn Field<S>>),
 }
 
 impl<S: Spectrum, D: Field<f32>> GridMedium<S, D> {
@@ -89,7 +98,7 @@ impl<S: Spectrum, D: Field<f32>> GridMedium<S, D> {
             density,
             per_density,
             albedo: None,
-            emission: None,
+            glow: None,
             phase,
             regular: None,
             majorants,
@@ -124,11 +133,26 @@ impl<S: Spectrum, D: Field<f32>> GridMedium<S, D> {
     /// Those of [`Field::check`].
     pub fn with_emission(self, emission: impl Field<S> + 'static) -> Result<Self, MediumError> {
         emission.check()?;
-        Ok(Self {
-            majorants: majorants(&self.density, self.per_density, Some(&emission)),
-            emission: Some(Arc::new(emission)),
+        Ok(self.with_glow(Glow::Emission(Arc::new(emission))))
+    }
+
+    /// Takes the source function, W·sr⁻¹·m⁻², from a field, which may have a box of its own:
+    /// emission(x) = σa(x)·source(x), as of fire in thermal equilibrium, whose source is that of a
+    /// [`BlackBody`](crate::BlackBody) of its temperature. What is opaque looks like its source.
+    ///
+    /// # Errors
+    /// Those of [`Field::check`].
+    pub fn with_source(self, source: impl Field<S> + 'static) -> Result<Self, MediumError> {
+        source.check()?;
+        Ok(self.with_glow(Glow::Source(Arc::new(source))))
+    }
+
+    fn with_glow(self, glow: Glow<S>) -> Self {
+        Self {
+            majorants: majorants(&self.density, self.per_density, Some(&glow)),
+            glow: Some(glow),
             ..self
-        })
+        }
     }
 
     /// The box outside which there is nothing.
@@ -141,8 +165,13 @@ impl<S: Spectrum, D: Field<f32>> GridMedium<S, D> {
         &self.density
     }
 
+    /// Whether it emits.
+    pub(crate) fn emits(&self) -> bool {
+        self.glow.is_some() || !self.per_density.emission.is_black()
+    }
+
     /// What the mean densities of the majorant cells on the way let through.
-    fn mean_transmittance(&self, ray: &Ray) -> S {
+    pub(crate) fn mean_transmittance(&self, ray: &Ray) -> S {
         let mut column = 0.0;
         let _ = self.walk(ray, |enter, leave, cell| {
             column += (leave - enter) * f64::from(cell.density.mean);
@@ -177,9 +206,10 @@ impl<S: Spectrum, D: Field<f32>> GridMedium<S, D> {
     /// Emission at a point inside the box.
     #[inline]
     pub(crate) fn emission(&self, p: Vec3, density: f32) -> S {
-        match &self.emission {
-            Some(field) => field.lookup(p, &mut Hint::default()),
+        match &self.glow {
             None => self.per_density.emission * density,
+            Some(Glow::Emission(field)) => field.lookup(p, &mut Hint::default()),
+            Some(Glow::Source(_)) => self.coefficients_at(p, density).emission,
         }
     }
 
@@ -192,8 +222,12 @@ impl<S: Spectrum, D: Field<f32>> GridMedium<S, D> {
             here.sigma_s = sigma_t * albedo;
             here.sigma_a = sigma_t - here.sigma_s;
         }
-        if self.emission.is_some() {
-            here.emission = self.emission(p, density);
+        match &self.glow {
+            None => {}
+            Some(Glow::Emission(field)) => here.emission = field.lookup(p, &mut Hint::default()),
+            Some(Glow::Source(field)) => {
+                here.emission = here.sigma_a * field.lookup(p, &mut Hint::default());
+            }
         }
         here
     }
@@ -226,14 +260,18 @@ fn times<S: Spectrum>(sigma_t: S, column: f64) -> S {
 fn majorants<S: Spectrum>(
     density: &impl Field<f32>,
     per_density: Coefficients<S>,
-    emission: Option<&dyn Field<S>>,
+    glow: Option<&Glow<S>>,
 ) -> Majorants {
     let sigma_t = per_density.sigma_t().max_channel();
     Majorants::new(density.cells(), sigma_t, |region| {
         let density = density.range(region);
-        let emitted = match emission {
-            Some(field) => field.range(region).max,
+        let emitted = match glow {
             None => per_density.emission * density.max,
+            Some(Glow::Emission(field)) => field.range(region).max,
+            // An albedo may turn all of σt into σa.
+            Some(Glow::Source(field)) => {
+                per_density.sigma_t() * density.max * field.range(region).max
+            }
         };
         let rate = if emitted.is_black() {
             0.0
@@ -283,7 +321,7 @@ impl<S: Spectrum, D: Field<f32>> Medium for GridMedium<S, D> {
     }
 
     fn emitted(&self, ray: &Ray, sampler: &mut impl Sampler) -> S {
-        if self.emission.is_none() && self.per_density.emission.is_black() {
+        if !self.emits() {
             return S::default();
         }
         self.emission_track(ray, sampler)

@@ -1,8 +1,6 @@
 //! A medium that is the same everywhere.
 
-use crate::channels::{
-    channel_pmf, check_coefficients, choose_channel, exponential, smallest_sampled,
-};
+use crate::channels::{channel_pmf, check_coefficients, choose_channel, exponential, weight};
 use crate::{MediumError, Phase};
 use glam::Vec3;
 use std::ops::ControlFlow;
@@ -51,6 +49,17 @@ impl<S: Spectrum> Homogeneous<S> {
         })
     }
 
+    /// Whether it emits.
+    pub(crate) fn emits(&self) -> bool {
+        !self.coefficients.emission.is_black()
+    }
+
+    /// Transmittance of the ray.
+    #[inline]
+    pub(crate) fn mean_transmittance(&self, ray: &Ray) -> S {
+        self.optical_depth(ray.t_max).map(|tau| (-tau).exp())
+    }
+
     /// σt·`distance`, with 0·∞ = 0.
     #[inline]
     fn optical_depth(&self, distance: f32) -> S {
@@ -62,21 +71,6 @@ impl<S: Spectrum> Homogeneous<S> {
             }
         })
     }
-}
-
-/// factor·e^{−τ} over its mean over the sampled channels, none of which has 0/0: the smallest
-/// exponent of those is taken out first. 0 in channels that are not sampled.
-#[inline]
-fn weight<S: Spectrum>(factor: S, tau: S, pmf: S) -> S {
-    let least = smallest_sampled(tau, pmf);
-    let relative = S::from_channels(|c| {
-        if pmf.channel(c) > 0.0 {
-            factor.channel(c) * (least - tau.channel(c)).exp()
-        } else {
-            0.0
-        }
-    });
-    relative / (relative * pmf).sum()
 }
 
 impl<S: Spectrum> Medium for Homogeneous<S> {
@@ -95,7 +89,7 @@ impl<S: Spectrum> Medium for Homogeneous<S> {
 
     #[inline]
     fn transmittance(&self, ray: &Ray, _: &mut impl Sampler) -> S {
-        self.optical_depth(ray.t_max).map(|tau| (-tau).exp())
+        self.mean_transmittance(ray)
     }
 
     /// emission·(1 − e^{−σt·s})/σt over the length s of the ray.
@@ -146,14 +140,13 @@ impl<S: Spectrum> Medium for Homogeneous<S> {
         if !(0.0..ray.t_max).contains(&t) {
             return 0.0;
         }
-        let transmittance = self.optical_depth(t).map(|tau| (-tau).exp());
+        let transmittance = self.mean_transmittance(&ray.up_to(t));
         (channel_pmf(importance) * self.coefficients.sigma_t() * transmittance).sum()
     }
 
     #[inline]
     fn pmf_passing(&self, ray: &Ray, importance: S) -> f32 {
-        let transmittance = self.optical_depth(ray.t_max).map(|tau| (-tau).exp());
-        (channel_pmf(importance) * transmittance).sum()
+        (channel_pmf(importance) * self.mean_transmittance(ray)).sum()
     }
 
     fn majorants(&self, ray: &Ray, mut visit: impl FnMut(Majorant) -> ControlFlow<()>) {

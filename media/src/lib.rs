@@ -1,11 +1,15 @@
-//! Participating media: homogeneous and gridded, phase functions, free flight and transmittance.
+//! Participating media: homogeneous, exponential, gridded and overlapping; phase functions, free
+//! flight and transmittance.
 //!
 //! | medium | free flight | transmittance | coefficients |
 //! |---|---|---|---|
 //! | [`Homogeneous`] | closed form | closed form | constant, per channel |
-//! | [`GridMedium`] | delta tracking | ratio tracking, or closed form | density grid × constant, with optional albedo and emission grids |
+//! | [`Atmosphere`] | closed form | closed form | constant × e^(−height/H), per channel |
+//! | [`GridMedium`] | delta tracking | ratio tracking, or closed form | density × constant, with optional albedo and emission, each a [`Field`]: [`DenseGrid`], [`SparseGrid`], [`Procedural`] or [`Mapped`] |
+//! | [`Overlap`] | the first of several | product | sum of several |
 //!
-//! [`AnyMedium`] is either. [`Phase`] holds the phase functions; [`plume`] makes a smoke to try.
+//! [`AnyMedium`] is any of them. [`Phase`] holds the phase functions; [`BlackBody`] is the light of
+//! fire; [`plume`] makes a smoke to try.
 //!
 //! # Channels
 //! A distance is sampled for all channels at once: its density is the mean of the channels'
@@ -21,6 +25,8 @@
 #![forbid(unsafe_code)]
 
 mod any;
+mod atmosphere;
+mod black_body;
 mod channels;
 mod error;
 mod field;
@@ -29,19 +35,27 @@ mod grid_medium;
 mod homogeneous;
 mod lattice;
 mod majorant;
+mod mapped;
+mod overlap;
 mod phase;
 mod plume;
+mod procedural;
 mod sparse;
 mod tracking;
 
 pub use any::AnyMedium;
+pub use atmosphere::Atmosphere;
+pub use black_body::BlackBody;
 pub use error::MediumError;
 pub use field::{Cells, Field, Hint, Range, Region};
 pub use grid::{DenseGrid, Filter};
 pub use grid_medium::{GridMedium, Tracking};
 pub use homogeneous::Homogeneous;
-pub use phase::{Blend, HenyeyGreenstein, Phase, Rayleigh, Tabulated};
+pub use mapped::Mapped;
+pub use overlap::Overlap;
+pub use phase::{AnyPhase, Blend, HenyeyGreenstein, Mixture, Phase, Rayleigh, Tabulated};
 pub use plume::plume;
+pub use procedural::Procedural;
 pub use sparse::{Piece, Precision, SparseBuilder, SparseGrid, Statistics, Tile, TileSize};
 
 /// The example of the README compiles.

@@ -2,11 +2,13 @@
 
 mod blend;
 mod henyey_greenstein;
+mod mixture;
 mod rayleigh;
 mod tabulated;
 
 pub use blend::Blend;
 pub use henyey_greenstein::HenyeyGreenstein;
+pub use mixture::{AnyPhase, Mixture};
 pub use rayleigh::Rayleigh;
 pub use tabulated::Tabulated;
 

@@ -35,31 +35,45 @@ impl Blend {
 
 impl PhaseFunction for Blend {
     fn eval(&self, wo: Vec3, wi: Vec3) -> f32 {
-        self.components
-            .iter()
-            .map(|(w, phase)| w * phase.eval(wo, wi))
-            .sum()
+        eval(&self.components, wo, wi)
     }
 
-    /// `u[0]` chooses the component and, stretched to \[0, 1) again, serves it.
     fn sample(&self, wo: Vec3, u: [f32; 2]) -> PhaseSample {
-        const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
-        let last = self.components.len() - 1;
-        let mut rest = u[0];
-        let mut chosen = 0;
-        while chosen < last && rest >= self.components[chosen].0 {
-            rest -= self.components[chosen].0;
-            chosen += 1;
-        }
-        let (w, phase) = &self.components[chosen];
-        let wi = phase.sample(wo, [(rest / w).min(BELOW_ONE), u[1]]).wi;
-        exact(wi, self.eval(wo, wi))
+        sample(&self.components, wo, u)
     }
 
     fn mean_cosine(&self) -> f32 {
-        self.components
-            .iter()
-            .map(|(w, phase)| w * phase.mean_cosine())
-            .sum()
+        mean_cosine(&self.components)
     }
+}
+
+/// Σ wᵢ pᵢ.
+pub(super) fn eval<P: PhaseFunction>(components: &[(f32, P)], wo: Vec3, wi: Vec3) -> f32 {
+    let each = components.iter().map(|(w, phase)| w * phase.eval(wo, wi));
+    each.sum()
+}
+
+/// `u[0]` chooses the component and, stretched to \[0, 1) again, serves it.
+pub(super) fn sample<P: PhaseFunction>(
+    components: &[(f32, P)],
+    wo: Vec3,
+    u: [f32; 2],
+) -> PhaseSample {
+    const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
+    let last = components.len() - 1;
+    let mut rest = u[0];
+    let mut chosen = 0;
+    while chosen < last && rest >= components[chosen].0 {
+        rest -= components[chosen].0;
+        chosen += 1;
+    }
+    let (w, phase) = &components[chosen];
+    let wi = phase.sample(wo, [(rest / w).min(BELOW_ONE), u[1]]).wi;
+    exact(wi, eval(components, wo, wi))
+}
+
+/// Σ wᵢ gᵢ.
+pub(super) fn mean_cosine<P: PhaseFunction>(components: &[(f32, P)]) -> f32 {
+    let each = components.iter().map(|(w, phase)| w * phase.mean_cosine());
+    each.sum()
 }

@@ -1,4 +1,5 @@
 //! Rays to test grids with, and small grids.
+#![allow(dead_code, reason = "each test file takes what it needs")]
 
 use glam::Vec3;
 use tyndall_core::{Aabb, Ray, Sampler, warp};
