@@ -1,10 +1,13 @@
 //! Sparse volumes: OpenVDB and NanoVDB files.
 
+mod blosc;
 mod nano_vdb;
 mod open_vdb;
 
 use crate::Error;
+use crate::image_out::write_whole;
 use crate::open::read;
+pub use nano_vdb::NanoCodec;
 use std::path::Path;
 use tyndall_core::Rgb;
 use tyndall_media::SparseGrid;
@@ -21,6 +24,23 @@ pub struct VolumeGrid {
     pub kind: String,
     /// Its voxels.
     pub voxels: Voxels,
+}
+
+impl VolumeGrid {
+    /// A grid to be written.
+    pub fn new(name: impl Into<String>, class: GridClass, voxels: Voxels) -> Self {
+        let kind = match &voxels {
+            Voxels::Scalar(_) => "float",
+            Voxels::Vector(_) => "Vec3f",
+            Voxels::Unread => "unknown",
+        };
+        Self {
+            name: name.into(),
+            class,
+            kind: kind.to_owned(),
+            voxels,
+        }
+    }
 }
 
 /// What the values of a grid mean.
@@ -67,4 +87,14 @@ pub fn read_volume(path: &Path, wanted: impl Fn(&str) -> bool) -> Result<Vec<Vol
         path: path.to_owned(),
         problem,
     })
+}
+
+/// Writes grids to a NanoVDB file (32.4) as float or Vec3f, half precision as float. Nothing is left
+/// half-written.
+///
+/// # Errors
+/// [`Error::Write`] if the file cannot be written, there is no grid, one was not read or has a name of
+/// 256 bytes or more.
+pub fn write_nano_vdb(path: &Path, grids: &[VolumeGrid], codec: NanoCodec) -> Result<(), Error> {
+    write_whole(path, |out| nano_vdb::write(out, grids, codec))
 }
