@@ -48,9 +48,14 @@ impl Buffer {
 
     /// First and last voxel of a box.
     pub(super) fn put_box(&mut self, at: usize, bounds: [IVec3; 2]) {
-        let ends = bounds.map(|end| end.to_array());
-        for (i, x) in ends.as_flattened().iter().enumerate() {
-            self.put(at + size_of_val(x) * i, &x.to_le_bytes());
+        for (i, end) in bounds.into_iter().enumerate() {
+            self.put_voxel(at + size_of_val(&end) * i, end);
+        }
+    }
+
+    pub(super) fn put_voxel(&mut self, at: usize, voxel: IVec3) {
+        for (i, x) in voxel.to_array().into_iter().enumerate() {
+            self.put(at + size_of_val(&x) * i, &x.to_le_bytes());
         }
     }
 

@@ -98,7 +98,7 @@ impl<T: Spectrum> Writer<'_, T> {
         }
         // A leaf without a box has its origin in the place of one.
         let [first, last] = summary.bounds.unwrap_or([leaf.origin; 2]);
-        self.buffer.put_box(at, [first, IVec3::ZERO]);
+        self.buffer.put_voxel(at, first);
         let extent = (last - first).to_array().map(|x| x as u8);
         self.buffer.put(at + leaf::EXTENT, &extent);
         let flags = if summary.voxels > 0 { HAS_BOX } else { EMPTY };
