@@ -81,14 +81,14 @@ impl<T: Spectrum> Reader<'_, T> {
         let layout = self.layout.node(level);
         let node = Bytes(self.bytes.slice(at, layout.size)?);
         let size = [TileSize::Leaf, TileSize::Lower][level - 1];
-        for slot in 0..layout.slots {
+        let table = node.slice(layout.table, layout.stride * layout.slots)?;
+        for (slot, content) in table.chunks_exact(layout.stride).enumerate() {
             let here = origin + slot_origin(slot, level);
-            let content = layout.table + layout.stride * slot;
             if node.bit(layout.child_mask, slot)? {
-                self.child(at, node.i64(content)?, here, level - 1)?;
+                self.child(at, Bytes(content).i64(0)?, here, level - 1)?;
             } else {
                 let active = node.bit(NodeLayout::VALUE_MASK, slot)?;
-                self.tile(here, size, value(node, content, self.layout)?, active)?;
+                self.tile(here, size, decode(content, self.layout), active)?;
             }
         }
         Ok(())
@@ -117,9 +117,10 @@ impl<T: Spectrum> Reader<'_, T> {
         let mut values = [self.background; VOXELS];
         let log2 = match self.layout.leaves {
             Leaves::Values => {
-                for (i, voxel) in values.iter_mut().enumerate() {
-                    let at = self.layout.leaf_values() + self.layout.value() * i;
-                    *voxel = value(node, at, self.layout)?;
+                let size = self.layout.value();
+                let all = node.slice(self.layout.leaf_values(), VOXELS * size)?;
+                for (voxel, bytes) in values.iter_mut().zip(all.chunks_exact(size)) {
+                    *voxel = decode(bytes, self.layout);
                 }
                 None
             }
@@ -166,15 +167,20 @@ fn place(from: usize, offset: i64) -> Result<usize, String> {
 }
 
 fn value<T: Spectrum>(bytes: Bytes<'_>, at: usize, layout: Layout) -> Result<T, String> {
-    let bytes = Bytes(bytes.slice(at, layout.value())?);
-    let mut channels = [0.0; 3];
-    for (c, channel) in channels.iter_mut().take(layout.channels).enumerate() {
-        *channel = match layout.scalar {
-            4 => bytes.f32(4 * c)?,
-            _ => bytes.f64(8 * c)? as f32,
-        };
+    let bytes = bytes.slice(at, layout.value())?;
+    Ok(decode(bytes, layout))
+}
+
+/// The value that these bytes begin with. They are as many as a value has at least, and a value has
+/// the channels of `T`.
+fn decode<T: Spectrum>(bytes: &[u8], layout: Layout) -> T {
+    if layout.scalar == size_of::<f32>() {
+        let (numbers, _) = bytes.as_chunks();
+        T::from_channels(|c| f32::from_le_bytes(numbers[c]))
+    } else {
+        let (numbers, _) = bytes.as_chunks();
+        T::from_channels(|c| f64::from_le_bytes(numbers[c]) as f32)
     }
-    Ok(T::from_channels(|c| channels[c]))
 }
 
 /// The first voxel of what a root key names: z in the lowest bits.

@@ -84,8 +84,9 @@ impl<T: Spectrum> Writer<'_, T> {
     fn leaf(&mut self, i: usize, leaf: &Leaf<'_>) -> Summary<T> {
         let at = self.place(0, i) as usize;
         let mut summary = Summary::new();
+        let (values, size) = (at + self.layout.leaf_values(), self.layout.value());
         for (i, value) in self.grid.leaf_values(leaf.number).enumerate() {
-            let place = at + self.layout.leaf_values() + self.layout.value() * i;
+            let place = values + size * i;
             self.buffer.put_value(place, value);
             if leaf.active[i / 64] >> (i % 64) & 1 == 1 {
                 let voxel = IVec3::new(i as i32 >> 6, i as i32 >> 3 & 7, i as i32 & 7);
