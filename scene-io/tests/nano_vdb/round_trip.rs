@@ -17,7 +17,7 @@ pub(super) fn random<T: Spectrum>(seed: u64, leaves: usize) -> SparseGrid<T> {
     let mut u = rng(seed);
     let mut next = move || u.next_1d();
     let mut builder = SparseBuilder::new(T::from_channels(|_| next()));
-    let mut at = |edge: i32, next: &mut dyn FnMut() -> f32| {
+    let at = |edge: i32, next: &mut dyn FnMut() -> f32| {
         let block = [-8192.0, 4096.0, i32::MIN as f32, 2_147_479_552.0][(4.0 * next()) as usize];
         let axis = |x: f32| (x * 300.0) as i32 & !(edge - 1);
         IVec3::splat(block as i32) + IVec3::new(axis(next()), axis(next()), axis(next()))
