@@ -76,15 +76,17 @@ fn grids_come_back() {
 }
 
 #[test]
-fn empty_and_single_voxels_come_back() {
+fn small_grids_come_back() {
     let mut one = SparseBuilder::new(0.0_f32);
     one.voxel(IVec3::new(-1, 5, i32::MIN), 3.0).unwrap();
-    let mut inactive = SparseBuilder::new(1.0_f32);
+    let mut tiles = SparseBuilder::new(1.0_f32);
     let corner = IVec3::splat(i32::MIN);
-    inactive.tile(corner, TileSize::Lower, 2.0, false).unwrap();
+    tiles.tile(corner, TileSize::Lower, 2.0, false).unwrap();
+    // Active, though of the background's value.
+    tiles.tile(IVec3::ZERO, TileSize::Leaf, 1.0, true).unwrap();
     let mut half = SparseBuilder::new(0.0_f32).with_precision(Precision::Half);
     half.voxel(IVec3::ZERO, 0.1).unwrap();
-    for builder in [SparseBuilder::new(7.0), one, inactive, half] {
+    for builder in [SparseBuilder::new(7.0), one, tiles, half] {
         let grid = builder.build(DAffine3::IDENTITY).unwrap();
         let back = read(&write(&[scalar("a", grid.clone())], NanoCodec::Zip)).unwrap();
         assert_eq!(content(as_scalar(&back[0])), content(&grid));
@@ -103,10 +105,20 @@ fn unwanted_grids_stay_unread() {
     assert!(back.iter().all(|grid| grid.kind == "float"));
 }
 
-/// Offsets of NanoVDB 32, written here once more.
 #[test]
 fn headers_tell_the_truth() {
-    let grid = random::<f32>(5, 30);
+    check_header(random(5, 30));
+    let mut few = SparseBuilder::new(0.0_f32);
+    for x in [-9, 3] {
+        few.voxel(IVec3::new(x, 5, 7), 1.0 + x as f32).unwrap();
+    }
+    let matrix = DMat3::from_cols_array(&[1.0, 0.5, 0.0, 0.0, -2.0, 0.0, 0.25, 0.0, 3.0]);
+    let to_world = DAffine3::from_mat3_translation(matrix, DVec3::new(100.0, 0.0, -7.0));
+    check_header(few.build(to_world).unwrap());
+}
+
+/// Offsets of NanoVDB 32, written here once more.
+fn check_header(grid: SparseGrid<f32>) {
     let file = write(&[scalar("density", grid.clone())], NanoCodec::None);
     let buffer = &file[buffer_start(&file)..];
     let ours = grid.statistics();
@@ -136,19 +148,23 @@ fn headers_tell_the_truth() {
     let [first, last] = active_box(&grid);
     let corner = |at| IVec3::from([0, 4, 8].map(|i| u32_at(buffer, root + at + i).cast_signed()));
     assert_eq!([corner(0), corner(12)], [first, last]);
-    let world = [first.as_dvec3(), last.as_dvec3() + 1.0];
+    let ends = [first.as_dvec3(), last.as_dvec3() + 1.0];
     for axis in 0..3 {
         let row = grid.to_world().matrix3.row(axis);
-        let least: f64 = (0..3)
-            .map(|i| (row[i] * world[0][i]).min(row[i] * world[1][i]))
-            .sum();
-        let least = least + grid.to_world().translation[axis];
-        let stated = f64_at(buffer, 560 + 8 * axis);
-        assert!(
-            (stated - least).abs() <= 1e-9 * least.abs(),
-            "{stated} for {least}"
-        );
-        assert_eq!(stated, f64_at(&file, HEADER + 40 + 8 * axis));
+        let from = grid.to_world().translation[axis];
+        let sides = [0, 1, 2].map(|i| ends.map(|end| row[i] * end[i]));
+        let least: f64 = sides.iter().map(|[a, b]| a.min(*b)).sum();
+        let most: f64 = sides.iter().map(|[a, b]| a.max(*b)).sum();
+        for (i, exact) in [(axis, from + least), (axis + 3, from + most)] {
+            let stated = f64_at(buffer, 560 + 8 * i);
+            assert!(
+                (stated - exact).abs() <= 1e-12 * exact.abs(),
+                "{stated} for {exact}"
+            );
+            assert_eq!(stated, f64_at(&file, HEADER + 40 + 8 * i));
+        }
+        let size = grid.to_world().matrix3.col(axis).length();
+        assert_eq!(f64_at(buffer, 608 + 8 * axis), size);
     }
 }
 
