@@ -11,21 +11,21 @@ pub(super) const DESCRIPTION: usize = 176;
 
 /// Where things stand in the description of a grid.
 pub(super) mod description {
-    pub(in crate::volume::nano_vdb) const SIZE: usize = 0;
-    pub(in crate::volume::nano_vdb) const STORED: usize = 8;
-    pub(in crate::volume::nano_vdb) const NAME_KEY: usize = 16;
-    pub(in crate::volume::nano_vdb) const VOXELS: usize = 24;
-    pub(in crate::volume::nano_vdb) const TYPE: usize = 32;
-    pub(in crate::volume::nano_vdb) const CLASS: usize = 36;
-    pub(in crate::volume::nano_vdb) const WORLD_BOX: usize = 40;
-    pub(in crate::volume::nano_vdb) const INDEX_BOX: usize = 88;
-    pub(in crate::volume::nano_vdb) const VOXEL_SIZE: usize = 112;
-    pub(in crate::volume::nano_vdb) const NAME_LENGTH: usize = 136;
+    pub(crate) const SIZE: usize = 0;
+    pub(crate) const STORED: usize = 8;
+    pub(crate) const NAME_KEY: usize = 16;
+    pub(crate) const VOXELS: usize = 24;
+    pub(crate) const TYPE: usize = 32;
+    pub(crate) const CLASS: usize = 36;
+    pub(crate) const WORLD_BOX: usize = 40;
+    pub(crate) const INDEX_BOX: usize = 88;
+    pub(crate) const VOXEL_SIZE: usize = 112;
+    pub(crate) const NAME_LENGTH: usize = 136;
     /// Leaves, lower nodes, upper nodes, roots.
-    pub(in crate::volume::nano_vdb) const NODES: usize = 140;
-    pub(in crate::volume::nano_vdb) const TILES: usize = 156;
-    pub(in crate::volume::nano_vdb) const CODEC: usize = 168;
-    pub(in crate::volume::nano_vdb) const VERSION: usize = 172;
+    pub(crate) const NODES: usize = 140;
+    pub(crate) const TILES: usize = 156;
+    pub(crate) const CODEC: usize = 168;
+    pub(crate) const VERSION: usize = 172;
 }
 
 /// A grid of a file, as it is stored.

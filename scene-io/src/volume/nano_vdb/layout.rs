@@ -6,45 +6,45 @@
 
 /// The header of a grid.
 pub(super) mod grid {
-    pub(in crate::volume::nano_vdb) const CHECKSUM: usize = 8;
-    pub(in crate::volume::nano_vdb) const VERSION: usize = 16;
-    pub(in crate::volume::nano_vdb) const FLAGS: usize = 20;
-    pub(in crate::volume::nano_vdb) const COUNT: usize = 28;
-    pub(in crate::volume::nano_vdb) const SIZE: usize = 32;
-    pub(in crate::volume::nano_vdb) const NAME: usize = 40;
+    pub(crate) const CHECKSUM: usize = 8;
+    pub(crate) const VERSION: usize = 16;
+    pub(crate) const FLAGS: usize = 20;
+    pub(crate) const COUNT: usize = 28;
+    pub(crate) const SIZE: usize = 32;
+    pub(crate) const NAME: usize = 40;
     /// With the zero at its end.
-    pub(in crate::volume::nano_vdb) const NAME_LENGTH: usize = 256;
-    pub(in crate::volume::nano_vdb) const MAP: usize = 296;
-    pub(in crate::volume::nano_vdb) const WORLD_BOX: usize = 560;
-    pub(in crate::volume::nano_vdb) const VOXEL_SIZE: usize = 608;
-    pub(in crate::volume::nano_vdb) const CLASS: usize = 632;
-    pub(in crate::volume::nano_vdb) const TYPE: usize = 636;
+    pub(crate) const NAME_LENGTH: usize = 256;
+    pub(crate) const MAP: usize = 296;
+    pub(crate) const WORLD_BOX: usize = 560;
+    pub(crate) const VOXEL_SIZE: usize = 608;
+    pub(crate) const CLASS: usize = 632;
+    pub(crate) const TYPE: usize = 636;
     /// Where it ends and the tree begins.
-    pub(in crate::volume::nano_vdb) const END: usize = 672;
+    pub(crate) const END: usize = 672;
 }
 
 /// The map from index to world, from [`grid::MAP`] on: matrices by rows.
 pub(super) mod map {
-    pub(in crate::volume::nano_vdb) const MATRIX_F32: usize = 0;
-    pub(in crate::volume::nano_vdb) const INVERSE_F32: usize = 36;
-    pub(in crate::volume::nano_vdb) const VECTOR_F32: usize = 72;
-    pub(in crate::volume::nano_vdb) const TAPER_F32: usize = 84;
-    pub(in crate::volume::nano_vdb) const MATRIX: usize = 88;
-    pub(in crate::volume::nano_vdb) const INVERSE: usize = 160;
-    pub(in crate::volume::nano_vdb) const VECTOR: usize = 232;
-    pub(in crate::volume::nano_vdb) const TAPER: usize = 256;
+    pub(crate) const MATRIX_F32: usize = 0;
+    pub(crate) const INVERSE_F32: usize = 36;
+    pub(crate) const VECTOR_F32: usize = 72;
+    pub(crate) const TAPER_F32: usize = 84;
+    pub(crate) const MATRIX: usize = 88;
+    pub(crate) const INVERSE: usize = 160;
+    pub(crate) const VECTOR: usize = 232;
+    pub(crate) const TAPER: usize = 256;
 }
 
 /// The tree, from [`grid::END`] on.
 pub(super) mod tree {
     /// Offsets of leaves, lower nodes, upper nodes and root.
-    pub(in crate::volume::nano_vdb) const OFFSETS: usize = 0;
+    pub(crate) const OFFSETS: usize = 0;
     /// How many nodes: leaves, lower, upper.
-    pub(in crate::volume::nano_vdb) const NODES: usize = 32;
+    pub(crate) const NODES: usize = 32;
     /// How many active tiles in lower nodes, upper nodes and root.
-    pub(in crate::volume::nano_vdb) const TILES: usize = 44;
-    pub(in crate::volume::nano_vdb) const VOXELS: usize = 56;
-    pub(in crate::volume::nano_vdb) const SIZE: usize = 64;
+    pub(crate) const TILES: usize = 44;
+    pub(crate) const VOXELS: usize = 56;
+    pub(crate) const SIZE: usize = 64;
 }
 
 /// The root begins with the box of its active voxels.
@@ -52,21 +52,21 @@ pub(super) const ROOT_TILES: usize = 24;
 
 /// A tile of the root; 0 where there is no child.
 pub(super) mod tile {
-    pub(in crate::volume::nano_vdb) const KEY: usize = 0;
-    pub(in crate::volume::nano_vdb) const CHILD: usize = 8;
-    pub(in crate::volume::nano_vdb) const ACTIVE: usize = 16;
+    pub(crate) const KEY: usize = 0;
+    pub(crate) const CHILD: usize = 8;
+    pub(crate) const ACTIVE: usize = 16;
 }
 
 /// A leaf begins with its first active voxel and the extent of the others.
 pub(super) mod leaf {
-    pub(in crate::volume::nano_vdb) const EXTENT: usize = 12;
-    pub(in crate::volume::nano_vdb) const FLAGS: usize = 15;
-    pub(in crate::volume::nano_vdb) const MASK: usize = 16;
-    pub(in crate::volume::nano_vdb) const STATISTICS: usize = 80;
+    pub(crate) const EXTENT: usize = 12;
+    pub(crate) const FLAGS: usize = 15;
+    pub(crate) const MASK: usize = 16;
+    pub(crate) const STATISTICS: usize = 80;
     /// Of quantised values: value = minimum + code · quantum.
-    pub(in crate::volume::nano_vdb) const MINIMUM: usize = 80;
-    pub(in crate::volume::nano_vdb) const QUANTUM: usize = 84;
-    pub(in crate::volume::nano_vdb) const CODES: usize = 96;
+    pub(crate) const MINIMUM: usize = 80;
+    pub(crate) const QUANTUM: usize = 84;
+    pub(crate) const CODES: usize = 96;
 }
 
 /// Voxels of a leaf.

@@ -25,7 +25,7 @@ const MAGIC: &[u8] = b"NanoVDB0";
 ///
 /// # Errors
 /// What is wrong with which grid, or with writing.
-pub(in crate::volume) fn write(
+pub(crate) fn write(
     out: &mut dyn Write,
     grids: &[VolumeGrid],
     codec: NanoCodec,
