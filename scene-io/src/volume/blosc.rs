@@ -20,61 +20,80 @@ const LARGEST_SPLIT: usize = 16;
 const SHORTEST_SPLIT: usize = 128;
 
 /// The bytes in a container that is to hold `size` of them, packed by LZ4 or not at all, with the
-/// bytes of elements shuffled or not. Never allocates more than 256 times `bytes`.
+/// bytes of elements shuffled or not. Never allocates more than twice 256 times `bytes`.
 ///
 /// # Errors
 /// A sentence on what is wrong or not read, with the mend.
 pub(super) fn decompress(bytes: &[u8], size: usize) -> Result<Vec<u8>, String> {
     let damaged = || "its Blosc data are damaged: export the file again".to_owned();
-    let header = bytes.get(..HEADER).ok_or_else(damaged)?;
-    let [flags, element] = [header[2], header[3]];
-    let element = usize::from(element).max(1);
-    let held = word(header, 4).ok_or_else(damaged)?;
-    let block = word(header, 8).ok_or_else(damaged)?;
-    let packed = word(header, 12).ok_or_else(damaged)?;
-    if held != size || held > bytes.len().saturating_mul(DENSEST) {
+    let container = Container::of(bytes).ok_or_else(damaged)?;
+    if container.size != size || size > bytes.len().saturating_mul(DENSEST) {
         return Err(damaged());
     }
-    let bytes = bytes.get(..packed).ok_or_else(damaged)?;
-    if flags & COPIED != 0 {
-        let copied = HEADER
-            .checked_add(size)
-            .and_then(|end| bytes.get(HEADER..end));
+    if container.flags & COPIED != 0 {
+        let copied = container
+            .bytes
+            .get(HEADER..)
+            .and_then(|all| all.get(..size));
         return copied.map(<[u8]>::to_vec).ok_or_else(damaged);
     }
-    check_kind(flags)?;
-    if held > 0 && block == 0 {
-        return Err(damaged());
+    check_kind(container.flags)?;
+    container.unpack().ok_or_else(damaged)
+}
+
+/// A container with its header, from which the rest is.
+struct Container<'a> {
+    bytes: &'a [u8],
+    flags: u8,
+    /// Bytes of an element.
+    element: usize,
+    /// Bytes in it.
+    size: usize,
+    /// Bytes of a block but the last.
+    block: usize,
+}
+
+impl<'a> Container<'a> {
+    fn of(bytes: &'a [u8]) -> Option<Self> {
+        let length = word(bytes, 12)?;
+        Some(Self {
+            flags: *bytes.get(2)?,
+            element: usize::from(*bytes.get(3)?).max(1),
+            size: word(bytes, 4)?,
+            block: word(bytes, 8)?,
+            bytes: bytes.get(..length)?,
+        })
     }
-    let mut all = vec![0; held];
-    let mut unshuffled = vec![
-        0;
-        if flags & SHUFFLED != 0 {
-            block.min(held)
-        } else {
-            0
+
+    fn unpack(&self) -> Option<Vec<u8>> {
+        if self.block == 0 {
+            return (self.size == 0).then(Vec::new);
         }
-    ];
-    for (i, out) in all.chunks_mut(block.max(1)).enumerate() {
-        let start = word(bytes, HEADER + 4 * i).ok_or_else(damaged)?;
-        let stream = bytes.get(start..).ok_or_else(damaged)?;
-        let splits = if flags & WHOLE_BLOCKS == 0
-            && element <= LARGEST_SPLIT
-            && block / element >= SHORTEST_SPLIT
-            && out.len() == block
-        {
-            element
-        } else {
+        let mut all = vec![0; self.size];
+        let mut shuffled = Vec::new();
+        for (i, out) in all.chunks_mut(self.block).enumerate() {
+            let start = word(self.bytes, HEADER + size_of::<u32>() * i)?;
+            let stream = self.bytes.get(start..)?;
+            unpack(stream, out, self.splits(out.len()))?;
+            if self.flags & SHUFFLED != 0 && self.element > 1 {
+                shuffled.clear();
+                shuffled.extend_from_slice(out);
+                unshuffle(&shuffled, self.element, out);
+            }
+        }
+        Some(all)
+    }
+
+    /// Of a block of this length.
+    fn splits(&self, length: usize) -> usize {
+        let whole = self.flags & WHOLE_BLOCKS != 0 || length != self.block;
+        let few = self.block / self.element < SHORTEST_SPLIT;
+        if whole || few || self.element > LARGEST_SPLIT {
             1
-        };
-        unpack(stream, out, splits).ok_or_else(damaged)?;
-        if flags & SHUFFLED != 0 && element > 1 {
-            let scratch = &mut unshuffled[..out.len()];
-            unshuffle(out, element, scratch);
-            out.copy_from_slice(scratch);
+        } else {
+            self.element
         }
     }
-    Ok(all)
 }
 
 fn check_kind(flags: u8) -> Result<(), String> {
