@@ -139,12 +139,21 @@ pub(super) fn name(code: u32) -> &'static str {
 }
 
 impl Layout {
+    /// Of single precision.
+    pub(super) const fn plain(channels: usize) -> Self {
+        Self {
+            scalar: 4,
+            channels,
+            leaves: Leaves::Values,
+        }
+    }
+
     /// Of a type that is read.
     pub(super) fn of(code: u32) -> Option<Self> {
         let (scalar, channels, leaves) = match code {
-            FLOAT => (4, 1, Leaves::Values),
+            FLOAT => return Some(Self::plain(1)),
+            VEC3F => return Some(Self::plain(3)),
             2 => (8, 1, Leaves::Values),
-            VEC3F => (4, 3, Leaves::Values),
             7 => (8, 3, Leaves::Values),
             13 => (4, 1, Leaves::Codes(2)),
             14 => (4, 1, Leaves::Codes(3)),

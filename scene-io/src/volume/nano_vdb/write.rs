@@ -59,7 +59,7 @@ fn segment<T: Spectrum>(
             grid::NAME_LENGTH - 1
         ));
     }
-    let layout = Layout::of(kind).ok_or("has no layout")?;
+    let layout = Layout::plain(T::CHANNELS);
     let skeleton = Skeleton::of(voxels);
     let (mut buffer, places, summary) = nodes::lay_out(voxels, &skeleton, layout)?;
     let about = About {
