@@ -1,13 +1,16 @@
 //! Sparse volumes: OpenVDB and NanoVDB files.
 
+mod blosc;
 mod nano_vdb;
 mod open_vdb;
 
 use crate::Error;
+use crate::image_out::write_whole;
 use crate::open::read;
+pub use nano_vdb::NanoCodec;
 use std::path::Path;
 use tyndall_core::Rgb;
-use tyndall_media::SparseGrid;
+use tyndall_media::{Precision, SparseGrid};
 
 /// A grid of a volume file.
 #[derive(Clone, Debug)]
@@ -21,6 +24,27 @@ pub struct VolumeGrid {
     pub kind: String,
     /// Its voxels.
     pub voxels: Voxels,
+}
+
+impl VolumeGrid {
+    /// A grid that is to be written.
+    pub fn new(name: impl Into<String>, class: GridClass, voxels: Voxels) -> Self {
+        let of = |precision, [single, half]: [&'static str; 2]| match precision {
+            Precision::Single => single,
+            Precision::Half => half,
+        };
+        let kind = match &voxels {
+            Voxels::Scalar(grid) => of(grid.precision(), ["float", "half"]),
+            Voxels::Vector(grid) => of(grid.precision(), ["vec3s", "vec3h"]),
+            Voxels::Unread => "unread",
+        };
+        Self {
+            name: name.into(),
+            class,
+            kind: kind.into(),
+            voxels,
+        }
+    }
 }
 
 /// What the values of a grid mean.
@@ -67,4 +91,14 @@ pub fn read_volume(path: &Path, wanted: impl Fn(&str) -> bool) -> Result<Vec<Vol
         path: path.to_owned(),
         problem,
     })
+}
+
+/// Writes grids to a NanoVDB file (32.4) as float or Vec3f, half precision as float. Nothing is left
+/// half-written.
+///
+/// # Errors
+/// [`Error::Write`] if the file cannot be written, there is no grid, one was not read or has a name of
+/// 256 bytes or more.
+pub fn write_nano_vdb(path: &Path, grids: &[VolumeGrid], codec: NanoCodec) -> Result<(), Error> {
+    write_whole(path, |out| nano_vdb::write(out, grids, codec))
 }
