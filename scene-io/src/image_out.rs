@@ -114,7 +114,7 @@ pub fn check_writable(path: &Path) -> Result<(), Error> {
 }
 
 /// Writes to a temporary file beside `path`, then renames it.
-fn write_whole(
+pub(crate) fn write_whole(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<&File>) -> Result<(), String>,
 ) -> Result<(), Error> {

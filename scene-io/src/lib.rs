@@ -45,4 +45,4 @@ pub use summary::{
 };
 pub use tyndall_surface::Backend;
 pub use vol::{Volume, read_vol};
-pub use volume::{GridClass, VolumeGrid, Voxels, read_volume};
+pub use volume::{GridClass, VolumeGrid, Voxels, read_volume, write_open_vdb};

@@ -4,7 +4,9 @@ mod nano_vdb;
 mod open_vdb;
 
 use crate::Error;
+use crate::image_out::write_whole;
 use crate::open::read;
+use std::io::Write;
 use std::path::Path;
 use tyndall_core::Rgb;
 use tyndall_media::SparseGrid;
@@ -67,4 +69,14 @@ pub fn read_volume(path: &Path, wanted: impl Fn(&str) -> bool) -> Result<Vec<Vol
         path: path.to_owned(),
         problem,
     })
+}
+
+/// Writes grids as an OpenVDB file, their voxels with the precision that they have. Files of the same
+/// grids are the same to the byte. What was at `path` before stays if writing fails.
+///
+/// # Errors
+/// [`Error::Write`], also if a grid is [`Voxels::Unread`].
+pub fn write_open_vdb(path: &Path, grids: &[VolumeGrid]) -> Result<(), Error> {
+    let bytes = open_vdb::write(grids).map_err(|reason| Error::write(path, reason))?;
+    write_whole(path, |out| out.write_all(&bytes).map_err(|e| e.to_string()))
 }
