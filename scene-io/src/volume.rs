@@ -25,6 +25,23 @@ pub struct VolumeGrid {
     pub voxels: Voxels,
 }
 
+impl VolumeGrid {
+    /// A grid to be written.
+    pub fn new(name: impl Into<String>, class: GridClass, voxels: Voxels) -> Self {
+        let kind = match &voxels {
+            Voxels::Scalar(_) => "float",
+            Voxels::Vector(_) => "vec3s",
+            Voxels::Unread => "none",
+        };
+        Self {
+            name: name.into(),
+            class,
+            kind: kind.into(),
+            voxels,
+        }
+    }
+}
+
 /// What the values of a grid mean.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum GridClass {

@@ -144,7 +144,7 @@ def noise(make, value):
     for i in range(16):
         for j in range(8):
             for k in range(8):
-                voxels.setValueOn((i, j, k), value(numbers.gauss(0, 10.0 ** numbers.randint(-4, 4))))
+                voxels.setValueOn((i, j, k), value(numbers.gauss(0, 10.0 ** numbers.randint(-4, 1))))
     return grid
 
 

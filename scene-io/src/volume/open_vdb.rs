@@ -14,13 +14,13 @@ pub(super) use write::write;
 
 use super::{VolumeGrid, Voxels};
 use cursor::Cursor;
-use grid::Grid;
+use grid::{Grid, shown};
 
 pub(super) const MAGIC: [u8; 8] = [0x20, 0x42, 0x44, 0x56, 0, 0, 0, 0];
 /// Characters of the name that a file gives itself.
 const UUID: usize = 36;
 /// How often a file may hold its own bytes again in grids that share a tree.
-const MOST_INSTANCES: usize = 64;
+const MOST_INSTANCES: usize = 16;
 
 /// The grids of a file; those whose name is not `wanted` without their voxels. What is wrong is said in
 /// a sentence that names the grid and the mend.
@@ -30,7 +30,7 @@ pub(super) fn read(bytes: &[u8], wanted: &dyn Fn(&str) -> bool) -> Result<Vec<Vo
     let read = |grid: &Grid| {
         let voxels = if wanted(&grid.name) {
             voxels(grid, &grids, &mut shared, bytes.len())
-                .map_err(|e| format!("grid `{}` {e}", grid.name))?
+                .map_err(|e| format!("grid `{}` {e}", shown(grid.name.as_bytes())))?
         } else {
             Voxels::Unread
         };
@@ -59,17 +59,14 @@ fn grids(bytes: &[u8]) -> Result<Vec<Grid<'_>>, String> {
     cursor.take(UUID)?;
     grid::metadata(&mut cursor, |_, _| {})?;
     let count = cursor.u32()?;
-    (0..count).map(|_| Grid::read(&mut cursor, offsets)).collect()
+    (0..count)
+        .map(|_| Grid::read(&mut cursor, offsets))
+        .collect()
 }
 
 /// The voxels of a grid. `shared` counts the bytes of trees that were read for another grid than their
 /// own.
-fn voxels(
-    grid: &Grid,
-    grids: &[Grid],
-    shared: &mut usize,
-    most: usize,
-) -> Result<Voxels, String> {
+fn voxels(grid: &Grid, grids: &[Grid], shared: &mut usize, most: usize) -> Result<Voxels, String> {
     if grid.parent.is_empty() {
         return grid.voxels(None);
     }
@@ -77,7 +74,7 @@ fn voxels(
     let Some(parent) = grids.iter().find(is_parent) else {
         return Err(format!(
             "shares the tree of `{}`, which is not there: export it on its own",
-            String::from_utf8_lossy(grid.parent)
+            shown(grid.parent)
         ));
     };
     *shared = shared.saturating_add(parent.tree_bytes());

@@ -1,7 +1,11 @@
 //! OpenVDB files: what OpenVDB writes is read, what is written OpenVDB reads, and what is broken is an
 //! error.
 
+mod broken;
+mod encoder;
+mod formats;
 mod peer;
+mod written;
 
 use std::path::Path;
 use tyndall_scene_io::{VolumeGrid, read_volume};

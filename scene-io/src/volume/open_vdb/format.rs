@@ -103,7 +103,9 @@ impl Format {
             }
         };
         let mask = match code {
-            inactive::MASK | inactive::MASK_ONE | inactive::MASK_TWO => cursor.mask(active.len())?,
+            inactive::MASK | inactive::MASK_ONE | inactive::MASK_TWO => {
+                cursor.mask(active.len())?
+            }
             _ => vec![0; active.len()],
         };
         if !self.active_only || code == inactive::ALL {

@@ -61,7 +61,7 @@ impl<'a> Grid<'a> {
         let unique = cursor.string()?;
         let name = unique.split(|&byte| byte == SEPARATOR).next();
         let name = String::from_utf8_lossy(name.unwrap_or(unique)).into_owned();
-        let in_grid = |e| format!("grid `{name}` {e}");
+        let in_grid = |e| format!("grid `{}` {e}", shown(name.as_bytes()));
         let (kind, parent) = (cursor.string()?, cursor.string()?);
         let (start, _blocks, end) = (cursor.i64()?, cursor.i64()?, cursor.i64()?);
         let mut body = if offsets {
@@ -153,7 +153,8 @@ impl<'a> Grid<'a> {
                 tree::read(cursor, format(*number)?, to_world).map(Voxels::Vector)
             }
             Kind::Other(kind) => Err(format!(
-                "is of type `{kind}`, which is not read: export it as float, half, double, vec3s or vec3d in the tree 5_4_3"
+                "is of type `{}`, which is not read: export it as float, half, double, vec3s or vec3d in the tree 5_4_3",
+                shown(kind.as_bytes())
             )),
         }
     }
@@ -162,6 +163,13 @@ impl<'a> Grid<'a> {
     pub(super) fn tree_bytes(&self) -> usize {
         self.tree.rest()
     }
+}
+
+/// What a file calls something, for a message: one line, not too long.
+pub(super) fn shown(text: &[u8]) -> String {
+    let text = String::from_utf8_lossy(text);
+    let plain = |c: char| if c.is_control() { '\u{fffd}' } else { c };
+    text.chars().map(plain).take(80).collect()
 }
 
 /// Visits a list of metadata, whatever their types.

@@ -30,7 +30,7 @@ pub(super) fn read(cursor: &mut Cursor) -> Result<DAffine3, String> {
         ),
         _ => Err(format!(
             "has a transform `{}`, which is not read: export it with a linear transform",
-            String::from_utf8_lossy(name)
+            super::grid::shown(name)
         )),
     }
 }
@@ -39,9 +39,7 @@ pub(super) fn read(cursor: &mut Cursor) -> Result<DAffine3, String> {
 fn matrix(m: [f64; 16]) -> Result<DAffine3, String> {
     let row = |i: usize| DVec3::new(m[4 * i], m[4 * i + 1], m[4 * i + 2]);
     if [m[3], m[7], m[11], m[15]] != [0.0, 0.0, 0.0, 1.0] {
-        return Err(
-            "has a transform that is not affine: export it with a linear transform".into(),
-        );
+        return Err("has a transform that is not affine: export it with a linear transform".into());
     }
     Ok(DAffine3 {
         matrix3: DMat3::from_cols(row(0), row(1), row(2)),

@@ -68,7 +68,11 @@ impl<'g, T: Spectrum> Nodes<'g, T> {
 
     /// The background and the values of all tiles.
     pub(super) fn constants(&self) -> impl Iterator<Item = T> + '_ {
-        let lowers = || self.uppers.values().flat_map(|upper| upper.children.values());
+        let lowers = || {
+            self.uppers
+                .values()
+                .flat_map(|upper| upper.children.values())
+        };
         let uppers = self.uppers.values().flat_map(|upper| &upper.tiles);
         let slots = uppers.chain(lowers().flat_map(|lower| &lower.tiles));
         let roots = self.tiles.iter().map(|(_, tile)| tile.value);
@@ -78,7 +82,10 @@ impl<'g, T: Spectrum> Nodes<'g, T> {
     }
 
     fn leaves(&self) -> impl Iterator<Item = &Leaf> {
-        let lowers = self.uppers.values().flat_map(|upper| upper.children.values());
+        let lowers = self
+            .uppers
+            .values()
+            .flat_map(|upper| upper.children.values());
         lowers.flat_map(|lower| lower.children.values())
     }
 

@@ -29,11 +29,13 @@ impl<'o, T: Spectrum> Values<'o, T> {
     }
 
     pub(super) fn words(&mut self, words: &[u32]) {
-        self.out.extend(words.iter().flat_map(|word| word.to_le_bytes()));
+        self.out
+            .extend(words.iter().flat_map(|word| word.to_le_bytes()));
     }
 
     pub(super) fn origin(&mut self, origin: [i32; 3]) {
-        self.out.extend(origin.into_iter().flat_map(i32::to_le_bytes));
+        self.out
+            .extend(origin.into_iter().flat_map(i32::to_le_bytes));
     }
 
     pub(super) fn flag(&mut self, flag: bool) {
@@ -41,7 +43,8 @@ impl<'o, T: Spectrum> Values<'o, T> {
     }
 
     pub(super) fn mask(&mut self, mask: &[u64]) {
-        self.out.extend(mask.iter().flat_map(|word| word.to_le_bytes()));
+        self.out
+            .extend(mask.iter().flat_map(|word| word.to_le_bytes()));
     }
 
     /// A value on its own, which is never a half.
@@ -54,8 +57,11 @@ impl<'o, T: Spectrum> Values<'o, T> {
     pub(super) fn values(&mut self, values: &[T], active: &[u64]) {
         let is_active = |slot: usize| active[slot / 64] >> (slot % 64) & 1 == 1;
         let slots = || values.iter().copied().enumerate();
-        let (code, [other, masked]) =
-            self.inactive(slots().filter(|(slot, _)| !is_active(*slot)).map(|(_, v)| v));
+        let (code, [other, masked]) = self.inactive(
+            slots()
+                .filter(|(slot, _)| !is_active(*slot))
+                .map(|(_, v)| v),
+        );
         self.out.push(code);
         match code {
             inactive::ONE | inactive::MASK_ONE => self.value(other),
@@ -91,7 +97,10 @@ impl<'o, T: Spectrum> Values<'o, T> {
                 return (inactive::ALL, [background; 2]);
             }
         }
-        let others = distinct.iter().copied().filter(|value| *value != background);
+        let others = distinct
+            .iter()
+            .copied()
+            .filter(|value| *value != background);
         let others: Vec<T> = others.collect();
         match (others.as_slice(), distinct.len()) {
             ([], _) => (inactive::BACKGROUND, [background; 2]),
@@ -106,7 +115,9 @@ impl<'o, T: Spectrum> Values<'o, T> {
     fn block(&mut self, values: impl Iterator<Item = T>) {
         let numbers = values.flat_map(|value| (0..T::CHANNELS).map(move |c| value.channel(c)));
         let bytes: Vec<u8> = if self.half {
-            numbers.flat_map(|x| f16::from_f32(x).to_le_bytes()).collect()
+            numbers
+                .flat_map(|x| f16::from_f32(x).to_le_bytes())
+                .collect()
         } else {
             numbers.flat_map(f32::to_le_bytes).collect()
         };
