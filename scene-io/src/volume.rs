@@ -9,7 +9,7 @@ use crate::open::read;
 use std::io::Write;
 use std::path::Path;
 use tyndall_core::Rgb;
-use tyndall_media::SparseGrid;
+use tyndall_media::{Precision, SparseGrid};
 
 /// A grid of a volume file.
 #[derive(Clone, Debug)]
@@ -26,12 +26,16 @@ pub struct VolumeGrid {
 }
 
 impl VolumeGrid {
-    /// A grid to be written.
+    /// A grid that is to be written.
     pub fn new(name: impl Into<String>, class: GridClass, voxels: Voxels) -> Self {
+        let of = |precision, [single, half]: [&'static str; 2]| match precision {
+            Precision::Single => single,
+            Precision::Half => half,
+        };
         let kind = match &voxels {
-            Voxels::Scalar(_) => "float",
-            Voxels::Vector(_) => "vec3s",
-            Voxels::Unread => "none",
+            Voxels::Scalar(grid) => of(grid.precision(), ["float", "half"]),
+            Voxels::Vector(grid) => of(grid.precision(), ["vec3s", "vec3h"]),
+            Voxels::Unread => "unread",
         };
         Self {
             name: name.into(),

@@ -15,6 +15,7 @@ pub(super) use write::write;
 use super::{VolumeGrid, Voxels};
 use cursor::Cursor;
 use grid::{Grid, shown};
+use std::collections::HashMap;
 
 pub(super) const MAGIC: [u8; 8] = [0x20, 0x42, 0x44, 0x56, 0, 0, 0, 0];
 /// Characters of the name that a file gives itself.
@@ -26,10 +27,12 @@ const MOST_INSTANCES: usize = 16;
 /// a sentence that names the grid and the mend.
 pub(super) fn read(bytes: &[u8], wanted: &dyn Fn(&str) -> bool) -> Result<Vec<VolumeGrid>, String> {
     let grids = grids(bytes)?;
-    let mut shared = 0_usize;
+    let own = grids.iter().filter(|grid| grid.parent.is_empty());
+    let own = own.map(|grid| (grid.unique, grid)).collect();
+    let mut shared = 0;
     let read = |grid: &Grid| {
         let voxels = if wanted(&grid.name) {
-            voxels(grid, &grids, &mut shared, bytes.len())
+            voxels(grid, &own, &mut shared, bytes.len())
                 .map_err(|e| format!("grid `{}` {e}", shown(grid.name.as_bytes())))?
         } else {
             Voxels::Unread
@@ -64,23 +67,27 @@ fn grids(bytes: &[u8]) -> Result<Vec<Grid<'_>>, String> {
         .collect()
 }
 
-/// The voxels of a grid. `shared` counts the bytes of trees that were read for another grid than their
-/// own.
-fn voxels(grid: &Grid, grids: &[Grid], shared: &mut usize, most: usize) -> Result<Voxels, String> {
+/// The voxels of a grid. `own` are those with a tree of their own, by unique name; `shared` counts the
+/// bytes of trees that were read for another grid, in a file of `length`.
+fn voxels(
+    grid: &Grid,
+    own: &HashMap<&[u8], &Grid>,
+    shared: &mut usize,
+    length: usize,
+) -> Result<Voxels, String> {
     if grid.parent.is_empty() {
         return grid.voxels(None);
     }
-    let is_parent = |other: &&Grid| other.unique == grid.parent && other.parent.is_empty();
-    let Some(parent) = grids.iter().find(is_parent) else {
+    let Some(parent) = own.get(grid.parent) else {
         return Err(format!(
             "shares the tree of `{}`, which is not there: export it on its own",
             shown(grid.parent)
         ));
     };
     *shared = shared.saturating_add(parent.tree_bytes());
-    if *shared / MOST_INSTANCES > most {
+    if *shared / MOST_INSTANCES > length {
         return Err(format!(
-            "and others share trees of {shared} bytes in a file of {most}: export fewer of them"
+            "and others share trees of {shared} bytes in a file of {length}: export fewer of them"
         ));
     }
     grid.voxels(Some(parent))

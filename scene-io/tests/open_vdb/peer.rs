@@ -137,31 +137,3 @@ fn compare_voxels<T: Spectrum>(file: &str, ours: &SparseGrid<T>, theirs: &Value)
         );
     }
 }
-#[test]
-fn cc() {
-    if let Ok(f) = std::env::var("CCDIR") {
-        compare_folder(Path::new(&f));
-        for f in [
-            "/tmp/O-cc/out/mixed.vdb",
-            "/tmp/O-cc/out/stream.vdb",
-            "/tmp/O-cc/out/big.vdb",
-        ] {
-            let t = std::time::Instant::now();
-            let gs = read_volume(Path::new(f), |n| n == "density").unwrap();
-            println!("{f} {:?}", t.elapsed());
-            for g in gs {
-                if let Voxels::Scalar(v) = &g.voxels {
-                    println!(
-                        "{} {} {:?} {:?}",
-                        g.name,
-                        g.kind,
-                        v.statistics(),
-                        v.to_world()
-                    )
-                } else {
-                    println!("{} {}", g.name, g.kind)
-                }
-            }
-        }
-    }
-}
