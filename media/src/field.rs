@@ -52,8 +52,8 @@ impl Default for Hint {
 pub struct Cells {
     /// Takes corners of cells, whole numbers from 0 on, into space.
     pub to_world: DAffine3,
-    /// How many there are along each axis.
-    pub count: IVec3,
+    /// How many there are along each axis; of the last there may be a part.
+    pub size: DVec3,
 }
 
 /// A part of space: a box, maybe turned and sheared.

@@ -3,7 +3,7 @@
 use crate::MediumError;
 use crate::field::{Cells, Field, Hint, Range, Region};
 use crate::lattice::{Lattice, clip, counts};
-use glam::{DAffine3, DVec3, IVec3, Vec3};
+use glam::{DAffine3, DVec3, Vec3};
 use std::ops::ControlFlow;
 use tyndall_core::{Aabb, Ray, Spectrum};
 
@@ -294,7 +294,7 @@ impl<T: Spectrum> Field<T> for DenseGrid<T> {
         let place = DAffine3::from_translation(self.bounds.min.as_dvec3());
         Cells {
             to_world: place * DAffine3::from_scale(CELL as f64 * voxel),
-            count: IVec3::from(self.resolution.map(|n| n.div_ceil(CELL) as i32)),
+            size: counts(self.resolution).as_dvec3() / CELL as f64,
         }
     }
 }

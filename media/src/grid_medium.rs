@@ -2,7 +2,6 @@
 
 use crate::channels::{channel_pmf, check_coefficients};
 use crate::field::{Field, Hint, Region};
-use crate::lattice::clip;
 use crate::majorant::{Cell, Majorants};
 use crate::{DenseGrid, MediumError, Phase};
 use glam::Vec3;
@@ -160,10 +159,7 @@ impl<S: Spectrum, D: Field<f32>> GridMedium<S, D> {
         ray: &Ray,
         visit: impl FnMut(f64, f64, &Cell) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        match clip(ray, self.bounds()) {
-            Some(span) => self.majorants.walk(ray, span, visit),
-            None => ControlFlow::Continue(()),
-        }
+        self.majorants.walk(ray, visit)
     }
 
     /// σt where the density is 1.

@@ -1,7 +1,7 @@
 //! Bounds of the extinction along a ray.
 //!
 //! A tree of cubes over the cells of a field ([`Field::cells`](crate::Field::cells)): a node has
-//! 4³ children, empty ones are not stored, and each knows the bounds of all below. A ray walks the
+//! 8³ children, empty ones are not stored, and each knows the bounds of all below. A ray walks the
 //! children of a node it meets, and theirs, and passes what is empty in one step, however large
 //! (Museth 2014, "Hierarchical Digital Differential Analyzer for Efficient Ray-Marching in OpenVDB").
 
@@ -11,11 +11,14 @@ use std::ops::ControlFlow;
 use tyndall_core::Ray;
 
 /// Children along an edge of a node, and their logarithm.
-const EDGE: i32 = 4;
-const LOG2: u32 = 2;
+const EDGE: i32 = 8;
+const LOG2: u32 = 3;
 /// A node is crossed at once if that costs fewer null collisions than this: about what a step of
 /// the walk takes.
 const WORTH: f32 = 0.25;
+
+/// Of places, relative to the size of all.
+const ROUNDING: f64 = 1e-12;
 
 /// What is known of a region.
 #[derive(Clone, Copy, Debug)]
@@ -29,9 +32,27 @@ pub(crate) struct Cell {
 #[derive(Clone, Copy, Debug)]
 struct Node {
     cell: Cell,
-    /// A bit for each child that is not empty, x slowest; they lie together from `first` on.
-    children: u64,
-    first: u32,
+    /// Its children; none if it is a cell.
+    children: Option<u32>,
+}
+
+/// The children of a node.
+#[derive(Clone, Debug)]
+struct Children {
+    /// For each, x slowest: its place among those that are not empty, from 1 on; 0 if it is.
+    places: [u16; 512],
+    /// The number before that of the first; they lie together.
+    before: u32,
+}
+
+impl Children {
+    #[inline]
+    fn find(&self, [x, y, z]: [i32; 3]) -> Option<u32> {
+        match self.places[((x * EDGE + y) * EDGE + z) as usize] {
+            0 => None,
+            place => Some(self.before + u32::from(place)),
+        }
+    }
 }
 
 /// A tree of bounds.
@@ -39,12 +60,15 @@ struct Node {
 pub(crate) struct Majorants {
     /// From space into units of cells, from the first one.
     to_cells: DAffine3,
-    /// How many there are; a ray along the outermost face belongs to the last.
-    count: DVec3,
+    /// How many there are, the last maybe in part.
+    size: DVec3,
+    /// The last along each axis; a ray along the outermost face belongs to it.
+    last: [i32; 3],
     /// Nodes above the cells.
     levels: u32,
     /// The root first; none if all is empty.
     nodes: Vec<Node>,
+    children: Vec<Children>,
     /// Extinction where the density is 1, of the channel where it is largest.
     sigma_t: f32,
 }
@@ -56,56 +80,59 @@ impl Majorants {
         sigma_t: f32,
         describe: impl Fn(&Region) -> Option<Cell>,
     ) -> Self {
-        let longest = cells.count.max_element().max(1) as u32;
+        let last = cells.size.ceil().as_ivec3() - 1;
+        let longest = last.max_element().max(0) as u32 + 1;
         let levels = longest.next_power_of_two().ilog2().div_ceil(LOG2);
         let mut majorants = Self {
             to_cells: cells.to_world.inverse(),
-            count: cells.count.as_dvec3(),
+            size: cells.size,
+            last: last.to_array(),
             levels,
             nodes: Vec::new(),
+            children: Vec::new(),
             sigma_t,
         };
-        let maker = Maker { cells, describe };
+        let maker = Maker {
+            to_world: cells.to_world,
+            last,
+            describe,
+        };
         if let Some(cell) = maker.cell(IVec3::ZERO, levels) {
             majorants.nodes.push(Node {
                 cell,
-                children: 0,
-                first: 0,
+                children: None,
             });
-            maker.divide(&mut majorants.nodes, 0, IVec3::ZERO, levels);
+            maker.divide(&mut majorants, 0, IVec3::ZERO, levels);
         }
         majorants
     }
 
-    /// Visits the stretches of the ray between `start` and `end` whose bound is positive, in order.
+    /// Visits the stretches of the ray whose bound is positive, in order.
     #[inline]
     pub(crate) fn walk(
         &self,
         ray: &Ray,
-        [start, end]: [f64; 2],
         mut visit: impl FnMut(f64, f64, &Cell) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let Some(root) = self.nodes.first() else {
             return ControlFlow::Continue(());
         };
-        let direction = self.to_cells.transform_vector3(ray.direction.as_dvec3());
-        let line = Line {
-            origin: self.to_cells.transform_point3(ray.origin.as_dvec3()),
-            direction,
-            inverse: direction.recip(),
-        };
-        match line.through(DVec3::ZERO, f64::from(EDGE.pow(self.levels)), [start, end]) {
-            Some(span) => self.descend(root, DVec3::ZERO, self.levels, &line, span, &mut visit),
+        let line = Line::new(
+            self.to_cells.transform_point3(ray.origin.as_dvec3()),
+            self.to_cells.transform_vector3(ray.direction.as_dvec3()),
+        );
+        match line.through(self.size.to_array(), ray.t_max.into()) {
+            Some(span) => self.cross(root, [0; 3], self.levels, &line, span, &mut visit),
             None => ControlFlow::Continue(()),
         }
     }
 
-    /// Amanatides & Woo (1987) through the children of a node, with distances computed from the
-    /// planes instead of summed. The stretches join without a gap.
-    fn descend(
+    /// Visits a node as a whole or its children.
+    #[inline]
+    fn cross(
         &self,
         node: &Node,
-        corner: DVec3,
+        corner: [i32; 3],
         level: u32,
         line: &Line,
         [start, end]: [f64; 2],
@@ -113,68 +140,76 @@ impl Majorants {
     ) -> ControlFlow<()> {
         let Range { min, max, .. } = node.cell.density;
         let null = self.sigma_t * (max - min) * (end - start) as f32;
-        if node.children == 0 || null < WORTH {
-            return visit(start, end, &node.cell);
-        }
-        let edge = f64::from(EDGE.pow(level - 1));
-        let inside = (line.origin + start * line.direction - corner) / edge;
-        let last = ((self.count - corner) / edge).ceil().as_ivec3() - 1;
-        let last = last.min(IVec3::splat(EDGE - 1));
-        let mut at = [0; 3];
-        let mut exits = [0.0; 3];
-        let exit = |i: usize, at: i32| {
-            let forward = line.direction[i] > 0.0;
-            let end = if forward { at >= last[i] } else { at == 0 };
-            if end || line.inverse[i].is_infinite() {
-                return f64::INFINITY;
+        match node.children {
+            Some(children) if null >= WORTH => {
+                let children = &self.children[children as usize];
+                self.descend(children, corner, level, line, [start, end], visit)
             }
-            let plane = corner[i] + edge * f64::from(at + i32::from(forward));
-            (plane - line.origin[i]) * line.inverse[i]
-        };
-        for i in 0..3 {
-            at[i] = (inside[i] as i32).clamp(0, last[i]);
-            exits[i] = exit(i, at[i]);
+            _ => visit(start, end, &node.cell),
         }
+    }
+
+    /// Amanatides & Woo (1987) through the children of a node. The stretches join without a gap.
+    fn descend(
+        &self,
+        children: &Children,
+        corner: [i32; 3],
+        level: u32,
+        line: &Line,
+        [start, end]: [f64; 2],
+        visit: &mut impl FnMut(f64, f64, &Cell) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let shift = (level - 1) * LOG2;
+        let mut axes = [0, 1, 2].map(|i| {
+            let last = (self.last[i] - corner[i]) >> shift;
+            let corner = f64::from(corner[i]);
+            Axis::new(line, i, corner, shift, last.min(EDGE - 1), start)
+        });
         let mut t = start;
         loop {
-            let next = nearest(exits);
-            let leave = exits[next].max(t).min(end);
-            let bit = 1_u64 << (at[0] * EDGE * EDGE + at[1] * EDGE + at[2]);
-            if leave > t && node.children & bit != 0 {
-                let rank = (node.children & (bit - 1)).count_ones();
-                let child = &self.nodes[(node.first + rank) as usize];
-                let corner = corner + edge * DVec3::from(at.map(f64::from));
-                self.descend(child, corner, level - 1, line, [t, leave], visit)?;
+            let next = nearest(&axes);
+            let leave = axes[next].exit.max(t).min(end);
+            if leave > t
+                && let Some(child) = children.find([0, 1, 2].map(|i| axes[i].at))
+            {
+                let child = &self.nodes[child as usize];
+                let corner = [0, 1, 2].map(|i| corner[i] + (axes[i].at << shift));
+                self.cross(child, corner, level - 1, line, [t, leave], visit)?;
             }
-            if exits[next] >= end {
+            if axes[next].exit >= end {
                 return ControlFlow::Continue(());
             }
             t = leave;
-            at[next] += if line.direction[next] > 0.0 { 1 } else { -1 };
-            exits[next] = exit(next, at[next]);
+            axes[next].advance();
         }
     }
 }
 
 /// A ray in units of cells.
 struct Line {
-    origin: DVec3,
-    direction: DVec3,
-    inverse: DVec3,
+    origin: [f64; 3],
+    direction: [f64; 3],
+    inverse: [f64; 3],
 }
 
 impl Line {
-    /// The part of a stretch inside a cube.
-    fn through(
-        &self,
-        corner: DVec3,
-        edge: f64,
-        [mut start, mut end]: [f64; 2],
-    ) -> Option<[f64; 2]> {
+    fn new(origin: DVec3, direction: DVec3) -> Self {
+        Self {
+            origin: origin.to_array(),
+            direction: direction.to_array(),
+            inverse: direction.recip().to_array(),
+        }
+    }
+
+    /// The part inside the box of this size.
+    #[inline]
+    fn through(&self, size: [f64; 3], t_max: f64) -> Option<[f64; 2]> {
+        let (mut start, mut end) = (0.0_f64, t_max);
         for i in 0..3 {
-            let [a, b] = [corner[i], corner[i] + edge].map(|plane| plane - self.origin[i]);
+            let [a, b] = [0.0, size[i]].map(|plane| plane - self.origin[i]);
             if self.inverse[i].is_infinite() {
-                if a > 0.0 || b < 0.0 {
+                // A face is inside, though it be off by rounding.
+                if a > ROUNDING * size[i] || b < -ROUNDING * size[i] {
                     return None;
                 }
             } else {
@@ -187,55 +222,117 @@ impl Line {
     }
 }
 
+/// One axis of a walk through the children of a node.
+#[derive(Clone, Copy)]
+struct Axis {
+    /// The child.
+    at: i32,
+    /// Distance along the ray at which it ends; infinite for the last.
+    exit: f64,
+    /// Distance from one child's end to the next's.
+    step: f64,
+    /// Children after this one.
+    left: i32,
+    /// To the next.
+    sign: i32,
+}
+
+impl Axis {
+    #[inline]
+    fn new(line: &Line, i: usize, corner: f64, shift: u32, last: i32, start: f64) -> Self {
+        let (origin, inverse) = (line.origin[i] - corner, line.inverse[i]);
+        // A negative or NaN position becomes 0 in the conversion.
+        let inside = (origin + start * line.direction[i]) as i32;
+        let at = (inside >> shift).clamp(0, last);
+        let edge = f64::from(1 << shift);
+        let forward = line.direction[i] > 0.0;
+        let left = match forward {
+            _ if inverse.is_infinite() => 0,
+            true => last - at,
+            false => at,
+        };
+        let plane = edge * f64::from(at + i32::from(forward));
+        Self {
+            at,
+            exit: if left == 0 {
+                f64::INFINITY
+            } else {
+                (plane - origin) * inverse
+            },
+            step: edge * inverse.abs(),
+            left,
+            sign: if forward { 1 } else { -1 },
+        }
+    }
+
+    #[inline]
+    fn advance(&mut self) {
+        self.at += self.sign;
+        self.left -= 1;
+        self.exit = if self.left == 0 {
+            f64::INFINITY
+        } else {
+            self.exit + self.step
+        };
+    }
+}
+
 /// The axis of the smallest distance.
 #[inline]
-fn nearest(exits: [f64; 3]) -> usize {
-    let first = if exits[1] < exits[0] { 1 } else { 0 };
-    if exits[2] < exits[first] { 2 } else { first }
+fn nearest(axes: &[Axis; 3]) -> usize {
+    let first = if axes[1].exit < axes[0].exit { 1 } else { 0 };
+    if axes[2].exit < axes[first].exit {
+        2
+    } else {
+        first
+    }
 }
 
 struct Maker<F> {
-    cells: Cells,
+    to_world: DAffine3,
+    last: IVec3,
     describe: F,
 }
 
 impl<F: Fn(&Region) -> Option<Cell>> Maker<F> {
     /// What is known of the cube of 4^`level` cells from `first` on; `None` if it is empty.
     fn cell(&self, first: IVec3, level: u32) -> Option<Cell> {
-        if first.cmpge(self.cells.count).any() {
+        if first.cmpgt(self.last).any() {
             return None;
         }
         let place = DAffine3::from_translation(first.as_dvec3());
         let scale = DAffine3::from_scale(DVec3::splat(f64::from(EDGE.pow(level))));
-        let to_world = self.cells.to_world * place * scale;
+        let to_world = self.to_world * place * scale;
         (self.describe)(&Region { to_world })
     }
 
     /// Gives a node the children it is worth.
-    fn divide(&self, nodes: &mut Vec<Node>, node: usize, first: IVec3, level: u32) {
-        let Cell { density, rate } = nodes[node].cell;
+    fn divide(&self, tree: &mut Majorants, node: usize, first: IVec3, level: u32) {
+        let Cell { density, rate } = tree.nodes[node].cell;
         if level == 0 || (density.min == density.max && rate == 0.0) {
             return;
         }
-        let start = nodes.len();
+        let start = tree.nodes.len();
         let edge = EDGE.pow(level - 1);
+        let mut places = [0; 512];
         let mut origins = Vec::new();
-        for i in 0..EDGE.pow(3) {
+        for (i, place) in (0..).zip(&mut places) {
             let at = IVec3::new(i / (EDGE * EDGE), i / EDGE % EDGE, i % EDGE);
             let first = first + edge * at;
             if let Some(cell) = self.cell(first, level - 1) {
-                nodes[node].children |= 1 << i;
-                nodes.push(Node {
+                tree.nodes.push(Node {
                     cell,
-                    children: 0,
-                    first: 0,
+                    children: None,
                 });
                 origins.push(first);
+                *place = origins.len() as u16;
             }
         }
-        nodes[node].first = start as u32;
+        let before = start as u32 - 1;
+        tree.nodes[node].children = Some(tree.children.len() as u32);
+        tree.children.push(Children { places, before });
         for (i, first) in origins.into_iter().enumerate() {
-            self.divide(nodes, start + i, first, level - 1);
+            self.divide(tree, start + i, first, level - 1);
         }
     }
 }

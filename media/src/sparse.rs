@@ -301,11 +301,11 @@ impl<T: Spectrum> Field<T> for SparseGrid<T> {
             .unwrap_or([IVec3::ZERO; 2])
             .map(|i| i.as_dvec3());
         let first = ((first - 1.0) / leaf).floor();
-        let count = ((last + 1.0) / leaf).floor() - first + 1.0;
+        let size = ((last + 1.0) / leaf).floor() - first + 1.0;
         let corner = DAffine3::from_translation(leaf * first - 0.5);
         Cells {
             to_world: self.to_world * corner * DAffine3::from_scale(DVec3::splat(leaf)),
-            count: count.as_ivec3(),
+            size,
         }
     }
 }

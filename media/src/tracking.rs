@@ -83,10 +83,13 @@ impl<S: Spectrum, D: Field<f32>> GridMedium<S, D> {
         ray: &Ray,
         sampler: &mut impl Sampler,
         rate: impl Fn(&Cell) -> f32,
-        mut visit: impl FnMut(Vec3, f32, f32, S),
+        mut visit: impl FnMut(Vec3, f32, f32, &dyn Fn() -> S),
     ) -> S {
         let sigma_t = self.sigma_t();
-        let through = |floor: f64| sigma_t.map(|s| (-f64::from(s) * floor).exp() as f32);
+        let through = |floor: f64| match floor {
+            0.0 => S::splat(1.0),
+            _ => sigma_t.map(|s| (-s * floor as f32).exp()),
+        };
         let mut hint = Hint::default();
         let mut residual = S::splat(1.0);
         let floor = self.tentative_collisions(ray, sampler, rate, |sampler, tentative| {
@@ -98,11 +101,10 @@ impl<S: Spectrum, D: Field<f32>> GridMedium<S, D> {
             } = tentative;
             let p = ray.at(t);
             let density = self.density_at(p, &mut hint);
-            let before = through(floor);
-            visit(p, density, rate, residual * before);
+            visit(p, density, rate, &|| residual * through(floor));
             let above = density - cell.density.min;
             residual *= sigma_t.map(|sigma_t| (1.0 - sigma_t * above / rate).max(0.0));
-            if (residual * before).max_channel() >= THIN {
+            if residual.max_channel() >= THIN {
                 return Continue(());
             }
             if !residual.is_black() && sampler.next_1d() < SURVIVAL {
@@ -122,7 +124,7 @@ impl<S: Spectrum, D: Field<f32>> GridMedium<S, D> {
         let rate = |cell: &Cell| (most * (cell.density.max - cell.density.min)).max(cell.rate);
         let mut emitted = S::default();
         self.track_residual(ray, sampler, rate, |p, density, rate, transmittance| {
-            emitted += transmittance * self.emission(p, density) / rate;
+            emitted += transmittance() * self.emission(p, density) / rate;
         });
         emitted
     }

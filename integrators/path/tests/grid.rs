@@ -2,8 +2,8 @@
 //! distribution), Šidák-corrected within it; fixed seeds.
 
 use glam::Vec3;
-use tyndall_core::{Aabb, Coefficients, Rgb, Spectrum};
-use tyndall_media::{DenseGrid, GridMedium, Homogeneous, Phase, plume};
+use tyndall_core::{Aabb, Coefficients, Medium, Rgb, Spectrum};
+use tyndall_media::{DenseGrid, GridMedium, Homogeneous, Phase, Precision, SparseGrid, plume};
 use tyndall_path::Path;
 use tyndall_testkit::hosts::{AnalyticHost, Interface, Light, View};
 use tyndall_testkit::measure_mean;
@@ -38,6 +38,19 @@ fn the_furnace_is_white_in_smoke() {
     let scattering = per_density(Rgb::default(), Rgb::new(2.0, 9.0, 30.0));
     let phase = Phase::henyey_greenstein(0.6).expect("a valid mean cosine");
     let smoke = GridMedium::new(density, scattering, phase).expect("a medium");
+    furnace(&smoke);
+}
+
+#[test]
+fn the_furnace_is_white_in_sparse_smoke() {
+    let density = plume([24, 24, 24], BOX, 3).expect("a plume");
+    let density = SparseGrid::from_dense(&density, Precision::Half).expect("a grid");
+    let scattering = per_density(Rgb::default(), Rgb::new(2.0, 9.0, 30.0));
+    let phase = Phase::henyey_greenstein(0.6).expect("a valid mean cosine");
+    furnace(&GridMedium::new(density, scattering, phase).expect("a medium"));
+}
+
+fn furnace<M: Medium<Spectrum = Rgb> + Clone>(smoke: &M) {
     let mut figures = Vec::new();
     for (name, interface, inside) in [
         ("matched", Interface::Matched, 1.0),
@@ -88,5 +101,32 @@ fn a_constant_grid_is_a_homogeneous_medium() {
         })
         .collect();
     assert_eq!(differences.len(), Rgb::CHANNELS);
+    check_means(&differences, FALSE_ALARM).unwrap_or_else(|why| panic!("{why}"));
+}
+
+/// The same smoke, with one voxel of nothing around, in either kind of grid.
+#[test]
+fn sparse_smoke_is_dense_smoke() {
+    let density = plume([24, 24, 24], BOX, 4).expect("a plume");
+    let sparse = SparseGrid::from_dense(&density, Precision::Single).expect("a grid");
+    let dense = sparse.to_dense().expect("an upright grid");
+    let scattering = per_density(Rgb::new(0.5, 0.1, 1.0), Rgb::new(5.0, 10.0, 20.0));
+    let phase = Phase::henyey_greenstein(0.4).expect("a valid mean cosine");
+    let light = Light::Background {
+        radiance: Rgb::new(1.0, 3.0, 2.0),
+        reach: 1.01,
+    };
+    let sparse = GridMedium::new(sparse, scattering, phase.clone()).expect("a medium");
+    let dense = GridMedium::new(dense, scattering, phase).expect("a medium");
+    let sparse = AnalyticHost::sphere(sparse, 1.0, Interface::Matched, light, view(3.0));
+    let dense = AnalyticHost::sphere(dense, 1.0, Interface::Matched, light, view(3.0));
+    let sparse = measure_mean(&sparse, &Path::new(), 20_000, 1);
+    let dense = measure_mean(&dense, &Path::new(), 20_000, 2);
+    let differences: Vec<_> = (sparse.iter().zip(&dense))
+        .map(|(a, b)| {
+            assert!(a.relative_standard_error() < 0.003 && b.relative_standard_error() < 0.003);
+            ("sparse − dense", a.difference(b), 0.0)
+        })
+        .collect();
     check_means(&differences, FALSE_ALARM).unwrap_or_else(|why| panic!("{why}"));
 }
