@@ -7,6 +7,7 @@ mod cursor;
 mod format;
 mod grid;
 mod map;
+mod mask;
 mod tree;
 mod write;
 

@@ -2,6 +2,7 @@
 
 use super::codec::Codec;
 use super::cursor::Cursor;
+use super::mask;
 use half::f16;
 use tyndall_core::Spectrum;
 
@@ -111,13 +112,16 @@ impl Format {
         if !self.active_only || code == inactive::ALL {
             return self.numbers(cursor, values.len(), values.iter_mut());
         }
-        let is_set = |mask: &[u64], slot: usize| mask[slot / 64] >> (slot % 64) & 1 == 1;
         for (slot, value) in values.iter_mut().enumerate() {
-            *value = if is_set(&mask, slot) { masked } else { other };
+            *value = if mask::contains(&mask, slot) {
+                masked
+            } else {
+                other
+            };
         }
         let count = active.iter().map(|word| word.count_ones() as usize).sum();
         let slots = values.iter_mut().enumerate();
-        let slots = slots.filter(|(slot, _)| is_set(active, *slot));
+        let slots = slots.filter(|(slot, _)| mask::contains(active, *slot));
         self.numbers(cursor, count, slots.map(|(_, value)| value))
     }
 

@@ -58,20 +58,16 @@ impl<'a> Grid<'a> {
     /// Reads the next grid of a file up to its tree, and goes to its end. Without `offsets` only its
     /// tree tells where that is.
     pub(super) fn read(cursor: &mut Cursor<'a>, offsets: bool) -> Result<Self, String> {
-        let unique = cursor.string()?;
-        let name = unique.split(|&byte| byte == SEPARATOR).next();
-        let name = String::from_utf8_lossy(name.unwrap_or(unique)).into_owned();
-        let in_grid = |e| format!("grid `{}` {e}", shown(name.as_bytes()));
-        let (kind, parent) = (cursor.string()?, cursor.string()?);
+        let names = [cursor.string()?, cursor.string()?, cursor.string()?];
+        let name = names[0].split(|&byte| byte == SEPARATOR).next();
+        let in_grid = |e| format!("grid `{}` {e}", shown(name.unwrap_or_default()));
         let (start, _blocks, end) = (cursor.i64()?, cursor.i64()?, cursor.i64()?);
         let mut body = if offsets {
             cursor.within(start, end).map_err(in_grid)?
         } else {
             *cursor
         };
-        let mut grid = Self::head(name.clone(), kind, &mut body).map_err(in_grid)?;
-        grid.unique = unique;
-        grid.parent = parent;
+        let grid = Self::head(names, name.unwrap_or_default(), &mut body).map_err(in_grid)?;
         if offsets {
             cursor.seek(usize::try_from(end).unwrap_or(usize::MAX));
         } else {
@@ -80,7 +76,11 @@ impl<'a> Grid<'a> {
         Ok(grid)
     }
 
-    fn head(name: String, kind: &[u8], body: &mut Cursor<'a>) -> Result<Self, String> {
+    fn head(
+        [unique, kind, parent]: [&'a [u8]; 3],
+        name: &[u8],
+        body: &mut Cursor<'a>,
+    ) -> Result<Self, String> {
         let (kind, suffixed) = match kind.strip_suffix(HALF_SUFFIX) {
             Some(kind) => (kind, true),
             None => (kind, false),
@@ -93,9 +93,9 @@ impl<'a> Grid<'a> {
             _ => {}
         })?;
         Ok(Self {
-            name,
-            unique: &[],
-            parent: &[],
+            name: String::from_utf8_lossy(name).into_owned(),
+            unique,
+            parent,
             class,
             kind: Kind::of(kind),
             saved_as_half: half,

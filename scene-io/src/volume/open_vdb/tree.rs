@@ -3,6 +3,7 @@
 
 use super::cursor::Cursor;
 use super::format::Format;
+use super::mask;
 use glam::{DAffine3, IVec3};
 use tyndall_core::Spectrum;
 use tyndall_media::{MediumError, Precision, SparseBuilder, SparseGrid, TileSize};
@@ -132,14 +133,13 @@ impl<T: Spectrum> Reader<'_, '_, T> {
         let mut values = vec![self.background; level.count()];
         (self.format).values(self.cursor, &active, self.background, &mut values)?;
         for (slot, value) in values.into_iter().enumerate() {
-            let is_set = |mask: &[u64]| mask[slot / 64] >> (slot % 64) & 1 == 1;
             let origin = origin + level.origin(slot);
-            let active = is_set(&active);
-            if !is_set(&children) && (active || value != self.background) {
+            let active = mask::contains(&active, slot);
+            if !mask::contains(&children, slot) && (active || value != self.background) {
                 self.tile(origin, level.tile, value, active)?;
             }
         }
-        for slot in set_slots(&children) {
+        for slot in mask::slots(&children) {
             let origin = origin + level.origin(slot);
             match level.tile {
                 TileSize::Lower => self.node(origin, LOWER)?,
@@ -183,9 +183,4 @@ impl<T: Spectrum> Reader<'_, '_, T> {
 /// Says why a node or tile could not be placed.
 fn taken(error: MediumError) -> String {
     format!("has two nodes in one place: {error}: the file is broken, export it again")
-}
-
-/// The slots in a mask, in order.
-pub(super) fn set_slots(mask: &[u64]) -> impl Iterator<Item = usize> + '_ {
-    (0..64 * mask.len()).filter(|slot| mask[slot / 64] >> (slot % 64) & 1 == 1)
 }

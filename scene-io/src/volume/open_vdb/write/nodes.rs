@@ -1,6 +1,7 @@
 //! The nodes of a grid, as files have them.
 
 use super::values::Values;
+use crate::volume::open_vdb::mask;
 use crate::volume::open_vdb::tree::{LEAF_WORDS, LOWER, Level, ROOT_EDGE, UPPER};
 use glam::IVec3;
 use std::collections::BTreeMap;
@@ -112,13 +113,10 @@ impl<'g, T: Spectrum> Nodes<'g, T> {
     }
 
     fn write_node<C>(&self, node: &Node<T, C>, level: Level, out: &mut Values<T>) {
-        let [mut children, mut active] = [const { Vec::new() }; 2];
-        children.resize(level.count() / 64, 0_u64);
-        active.resize(level.count() / 64, 0_u64);
+        let words = level.count() / 64;
+        let children = mask::of(words, |slot| node.children.contains_key(&slot));
         let mut values = vec![self.grid.background(); level.count()];
-        for slot in node.children.keys() {
-            children[slot / 64] |= 1 << (slot % 64);
-        }
+        let mut active = vec![0; words];
         for (slot, tile) in &node.tiles {
             values[*slot] = tile.value;
             active[slot / 64] |= u64::from(tile.active) << (slot % 64);

@@ -1,6 +1,7 @@
 //! Writes numbers, and the values of a node.
 
 use crate::volume::open_vdb::format::inactive;
+use crate::volume::open_vdb::mask;
 use flate2::{Compress, Compression, FlushCompress, Status};
 use half::f16;
 use tyndall_core::Spectrum;
@@ -55,7 +56,7 @@ impl<'o, T: Spectrum> Values<'o, T> {
 
     /// The values of a node. Slots with children hold the background and are inactive.
     pub(super) fn values(&mut self, values: &[T], active: &[u64]) {
-        let is_active = |slot: usize| active[slot / 64] >> (slot % 64) & 1 == 1;
+        let is_active = |slot: usize| mask::contains(active, slot);
         let slots = || values.iter().copied().enumerate();
         let (code, [other, masked]) = self.inactive(
             slots()
@@ -72,11 +73,8 @@ impl<'o, T: Spectrum> Values<'o, T> {
             _ => {}
         }
         if let inactive::MASK | inactive::MASK_ONE | inactive::MASK_TWO = code {
-            let mut mask = vec![0; active.len()];
-            for (slot, value) in slots() {
-                mask[slot / 64] |= u64::from(!is_active(slot) && value == masked) << (slot % 64);
-            }
-            self.mask(&mask);
+            let is_masked = |slot: usize| !is_active(slot) && values[slot] == masked;
+            self.mask(&mask::of(active.len(), is_masked));
         }
         if code == inactive::ALL {
             self.block(values.iter().copied());
