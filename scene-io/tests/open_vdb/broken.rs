@@ -3,7 +3,7 @@
 use crate::encoder::{ACTIVE_MASK, BLOSC, File, Grid, Number, ZIP};
 use crate::read_bytes;
 use tyndall_core::Sampler;
-use tyndall_scene_io::{VolumeGrid, Voxels};
+use tyndall_scene_io::{VolumeGrid, Voxels, write_open_vdb};
 use tyndall_testkit::rng;
 
 const MUTATIONS: usize = 10_000;
@@ -42,7 +42,14 @@ fn files() -> Vec<Vec<u8>> {
         ..File::of(grids[0].clone())
     };
     let whole = grids.into_iter().map(File::of);
-    whole.chain([stream]).map(|file| file.bytes()).collect()
+    let mut files: Vec<_> = whole.chain([stream]).map(|file| file.bytes()).collect();
+    // What this crate writes of them.
+    for i in [0, 1] {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        write_open_vdb(file.path(), &read_bytes(&files[i]).unwrap()).unwrap();
+        files.push(std::fs::read(file.path()).unwrap());
+    }
+    files
 }
 
 /// No more than a constant times what the file has: the most is a node of tiles, of a bit each in
