@@ -1,11 +1,13 @@
 //! Sparse volumes: OpenVDB and NanoVDB files.
 
+mod blosc;
 mod nano_vdb;
 mod open_vdb;
 
 use crate::Error;
 use crate::image_out::write_whole;
 use crate::open::read;
+pub use nano_vdb::NanoCodec;
 use std::io::Write;
 use std::path::Path;
 use tyndall_core::Rgb;
@@ -100,4 +102,14 @@ pub fn read_volume(path: &Path, wanted: impl Fn(&str) -> bool) -> Result<Vec<Vol
 pub fn write_open_vdb(path: &Path, grids: &[VolumeGrid]) -> Result<(), Error> {
     let bytes = open_vdb::write(grids).map_err(|reason| Error::write(path, reason))?;
     write_whole(path, |out| out.write_all(&bytes).map_err(|e| e.to_string()))
+}
+
+/// Writes grids to a NanoVDB file (32.4) as float or Vec3f, half precision as float. Nothing is left
+/// half-written.
+///
+/// # Errors
+/// [`Error::Write`] if the file cannot be written, there is no grid, one was not read or has a name of
+/// 256 bytes or more.
+pub fn write_nano_vdb(path: &Path, grids: &[VolumeGrid], codec: NanoCodec) -> Result<(), Error> {
+    write_whole(path, |out| nano_vdb::write(out, grids, codec))
 }

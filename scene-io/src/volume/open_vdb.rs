@@ -1,7 +1,6 @@
 //! OpenVDB files, versions 222 to 225 (Museth 2013, "VDB: High-Resolution Sparse Volumes with Dynamic
 //! Topology"; the format is what OpenVDB 10 reads and writes).
 
-mod blosc;
 mod codec;
 mod cursor;
 mod format;

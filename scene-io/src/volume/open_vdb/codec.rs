@@ -1,7 +1,7 @@
 //! How blocks of bytes are compressed.
 
-use super::blosc;
 use super::cursor::Cursor;
+use crate::volume::blosc;
 use flate2::{Decompress, FlushDecompress, Status};
 use std::borrow::Cow;
 
@@ -56,7 +56,7 @@ impl Codec {
         let packed = cursor.take(usize::try_from(packed).unwrap_or(usize::MAX))?;
         match self {
             Self::Zip(inflate) => unzip(inflate, packed, size),
-            _ => blosc::unpack(packed, size),
+            _ => blosc::decompress(packed, size).map_err(|e| format!("cannot be read: {e}")),
         }
         .map(Cow::Owned)
     }
