@@ -45,4 +45,6 @@ pub use summary::{
 };
 pub use tyndall_surface::Backend;
 pub use vol::{Volume, read_vol};
-pub use volume::{GridClass, NanoCodec, VolumeGrid, Voxels, read_volume, write_nano_vdb};
+pub use volume::{
+    GridClass, NanoCodec, VolumeGrid, Voxels, read_volume, write_nano_vdb, write_open_vdb,
+};

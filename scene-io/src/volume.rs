@@ -8,6 +8,7 @@ use crate::Error;
 use crate::image_out::write_whole;
 use crate::open::read;
 pub use nano_vdb::NanoCodec;
+use std::io::Write;
 use std::path::Path;
 use tyndall_core::Rgb;
 use tyndall_media::{Precision, SparseGrid};
@@ -91,6 +92,16 @@ pub fn read_volume(path: &Path, wanted: impl Fn(&str) -> bool) -> Result<Vec<Vol
         path: path.to_owned(),
         problem,
     })
+}
+
+/// Writes grids as an OpenVDB file, their voxels with the precision that they have. Files of the same
+/// grids are the same to the byte. What was at `path` before stays if writing fails.
+///
+/// # Errors
+/// [`Error::Write`], also if a grid is [`Voxels::Unread`].
+pub fn write_open_vdb(path: &Path, grids: &[VolumeGrid]) -> Result<(), Error> {
+    let bytes = open_vdb::write(grids).map_err(|reason| Error::write(path, reason))?;
+    write_whole(path, |out| out.write_all(&bytes).map_err(|e| e.to_string()))
 }
 
 /// Writes grids to a NanoVDB file (32.4) as float or Vec3f, half precision as float. Nothing is left

@@ -152,3 +152,97 @@ fn unshuffle(shuffled: &[u8], element: usize, out: &mut [u8]) {
     }
     out[whole..].copy_from_slice(&shuffled[whole..]);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A container of these blocks.
+    fn container(flags: u8, type_size: u8, size: u32, block: u32, blocks: &[Vec<u8>]) -> Vec<u8> {
+        let mut out = vec![2, 1, flags, type_size];
+        let packed = blocks.iter().map(|block| 4 + block.len()).sum::<usize>() as u32;
+        for word in [size, block, 16 + packed] {
+            out.extend(word.to_le_bytes());
+        }
+        let mut start = 16 + 4 * blocks.len();
+        for block in blocks {
+            out.extend((start as u32).to_le_bytes());
+            start += block.len();
+        }
+        out.extend(blocks.concat());
+        out
+    }
+
+    /// A stream of LZ4 that only holds literals, by its length.
+    fn literals(bytes: &[u8]) -> Vec<u8> {
+        let long = (bytes.len() - 15) as u8;
+        let packed = [&[0xf0, long], bytes].concat();
+        [&(packed.len() as u32).to_le_bytes()[..], &packed].concat()
+    }
+
+    /// A stream that did not shrink.
+    fn stored(bytes: &[u8]) -> Vec<u8> {
+        [&(bytes.len() as u32).to_le_bytes()[..], bytes].concat()
+    }
+
+    fn bytes(size: usize) -> Vec<u8> {
+        (0..size).map(|i| (i * i / 7) as u8).collect()
+    }
+
+    /// The bytes with this place in their values.
+    fn plane(all: &[u8], place: usize) -> Vec<u8> {
+        all.iter().copied().skip(place).step_by(4).collect()
+    }
+
+    /// Two blocks of four streams, then one too short to be split.
+    #[test]
+    fn split_and_shuffled_blocks_are_read() {
+        let all = bytes(1200);
+        let mut blocks: Vec<_> = (all[..1024].chunks(512))
+            .map(|block| (0..4).flat_map(|i| literals(&plane(block, i))).collect())
+            .collect();
+        let last: Vec<_> = (0..4).flat_map(|i| plane(&all[1024..], i)).collect();
+        blocks.push(literals(&last));
+        let packed = container(LZ4 << 5 | SHUFFLED, 4, 1200, 512, &blocks);
+        assert_eq!(decompress(&packed, 1200).unwrap(), all);
+        for length in 0..packed.len() {
+            assert!(decompress(&packed[..length], 1200).is_err());
+        }
+    }
+
+    #[test]
+    fn whole_and_stored_blocks_are_read() {
+        let all = bytes(200);
+        let whole = container(LZ4 << 5 | WHOLE_BLOCKS, 4, 200, 200, &[literals(&all)]);
+        assert_eq!(decompress(&whole, 200).unwrap(), all);
+        let raw = container(LZ4 << 5, 1, 200, 200, &[stored(&all)]);
+        assert_eq!(decompress(&raw, 200).unwrap(), all);
+        // Values of 3 bytes that do not fill the block.
+        let shuffled: Vec<_> = [0, 3, 6, 1, 4, 7, 2, 5, 8, 9].map(|i| all[i]).to_vec();
+        let odd = container(LZ4 << 5 | SHUFFLED, 3, 10, 10, &[stored(&shuffled)]);
+        assert_eq!(decompress(&odd, 10).unwrap(), all[..10]);
+    }
+
+    #[test]
+    fn what_is_not_read_is_named() {
+        let all = bytes(200);
+        for (flags, name) in [
+            (0, "BloscLZ"),
+            (2 << 5, "Snappy"),
+            (3 << 5, "zlib"),
+            (4 << 5, "Zstandard"),
+            (7 << 5, "an unknown"),
+            (LZ4 << 5 | BIT_SHUFFLED, "by bits"),
+        ] {
+            let packed = container(flags, 4, 200, 200, &[stored(&all)]);
+            assert!(decompress(&packed, 200).unwrap_err().contains(name));
+        }
+        let packed = container(LZ4 << 5, 1, 200, 200, &[stored(&all)]);
+        assert!(decompress(&packed, 201).unwrap_err().contains("damaged"));
+        // Streams that say too much, too little, or lie beyond the end.
+        for block in [literals(&all[..190]), vec![0xff; 9], vec![0; 9]] {
+            let packed = container(LZ4 << 5, 1, 200, 200, &[block]);
+            assert!(decompress(&packed, 200).is_err());
+        }
+    }
+}

@@ -1,0 +1,204 @@
+//! What a file says of a grid before its tree.
+
+use super::codec::{ACTIVE_MASK, Codec};
+use super::cursor::Cursor;
+use super::format::{Format, Number};
+use super::{map, tree};
+use crate::volume::{GridClass, Voxels};
+use glam::DAffine3;
+
+/// Between the name of a grid and a number that tells it from others of this name.
+pub(super) const SEPARATOR: u8 = 0x1e;
+/// After the type of a tree whose numbers are written as halves.
+pub(super) const HALF_SUFFIX: &[u8] = b"_HalfFloat";
+const FORM: &[u8] = b"_5_4_3";
+
+/// A grid whose tree has not been read.
+#[derive(Clone, Debug)]
+pub(super) struct Grid<'a> {
+    pub(super) name: String,
+    /// The name with its number.
+    pub(super) unique: &'a [u8],
+    /// The unique name of the grid whose tree it shares, or nothing.
+    pub(super) parent: &'a [u8],
+    pub(super) class: GridClass,
+    kind: Kind,
+    saved_as_half: bool,
+    to_world: Result<DAffine3, String>,
+    flags: u32,
+    /// At the tree.
+    tree: Cursor<'a>,
+}
+
+/// What is kept of a voxel.
+#[derive(Clone, Debug, PartialEq)]
+enum Kind {
+    Scalar(Number),
+    Vector(Number),
+    /// A type or a form of tree that is not read, by its name.
+    Other(String),
+}
+
+impl Kind {
+    fn of(tree: &[u8]) -> Self {
+        let tree = tree.strip_prefix(b"Tree_").unwrap_or(tree);
+        match tree.strip_suffix(FORM) {
+            Some(b"float") => Self::Scalar(Number::Single),
+            Some(b"half") => Self::Scalar(Number::Half),
+            Some(b"double") => Self::Scalar(Number::Double),
+            Some(b"vec3s") => Self::Vector(Number::Single),
+            Some(b"vec3d") => Self::Vector(Number::Double),
+            Some(other) => Self::Other(String::from_utf8_lossy(other).into_owned()),
+            None => Self::Other(String::from_utf8_lossy(tree).into_owned()),
+        }
+    }
+}
+
+impl<'a> Grid<'a> {
+    /// Reads the next grid of a file up to its tree, and goes to its end. Without `offsets` only its
+    /// tree tells where that is.
+    pub(super) fn read(cursor: &mut Cursor<'a>, offsets: bool) -> Result<Self, String> {
+        let names = [cursor.string()?, cursor.string()?, cursor.string()?];
+        let name = names[0].split(|&byte| byte == SEPARATOR).next();
+        let in_grid = |e| format!("grid `{}` {e}", shown(name.unwrap_or_default()));
+        let (start, _blocks, end) = (cursor.i64()?, cursor.i64()?, cursor.i64()?);
+        let mut body = if offsets {
+            cursor.within(start, end).map_err(in_grid)?
+        } else {
+            *cursor
+        };
+        let grid = Self::head(names, name.unwrap_or_default(), &mut body).map_err(in_grid)?;
+        if offsets {
+            cursor.seek(usize::try_from(end).unwrap_or(usize::MAX));
+        } else {
+            *cursor = grid.end().map_err(in_grid)?;
+        }
+        Ok(grid)
+    }
+
+    fn head(
+        [unique, kind, parent]: [&'a [u8]; 3],
+        name: &[u8],
+        body: &mut Cursor<'a>,
+    ) -> Result<Self, String> {
+        let (kind, suffixed) = match kind.strip_suffix(HALF_SUFFIX) {
+            Some(kind) => (kind, true),
+            None => (kind, false),
+        };
+        let flags = body.u32()?;
+        let (mut class, mut half) = (GridClass::Unknown, suffixed);
+        metadata(body, |name, value| match name {
+            b"class" => class = class_of(value),
+            b"is_saved_as_half_float" => half |= value == [1],
+            _ => {}
+        })?;
+        Ok(Self {
+            name: String::from_utf8_lossy(name).into_owned(),
+            unique,
+            parent,
+            class,
+            kind: Kind::of(kind),
+            saved_as_half: half,
+            to_world: map::read(body),
+            flags,
+            tree: *body,
+        })
+    }
+
+    /// Where the grid ends, found by reading it.
+    fn end(&self) -> Result<Cursor<'a>, String> {
+        let mut cursor = self.tree;
+        let to_world = self.to_world.clone()?;
+        if self.parent.is_empty() {
+            self.voxels_at(&mut cursor, to_world)?;
+        }
+        Ok(cursor)
+    }
+
+    /// The type of its values.
+    pub(super) fn kind(&self) -> String {
+        let kind = match (&self.kind, self.saved_as_half) {
+            (Kind::Other(name), _) => name,
+            (Kind::Scalar(Number::Half), _) | (Kind::Scalar(_), true) => "half",
+            (Kind::Vector(Number::Half), _) | (Kind::Vector(_), true) => "vec3h",
+            (Kind::Scalar(Number::Single), _) => "float",
+            (Kind::Scalar(Number::Double), _) => "double",
+            (Kind::Vector(Number::Single), _) => "vec3s",
+            (Kind::Vector(Number::Double), _) => "vec3d",
+        };
+        kind.to_owned()
+    }
+
+    /// Reads its tree or, if it shares one, that of `parent`.
+    pub(super) fn voxels(&self, parent: Option<&Self>) -> Result<Voxels, String> {
+        let to_world = self.to_world.clone()?;
+        let source = parent.unwrap_or(self);
+        source.voxels_at(&mut source.tree.clone(), to_world)
+    }
+
+    fn voxels_at(&self, cursor: &mut Cursor<'a>, to_world: DAffine3) -> Result<Voxels, String> {
+        let format = |number| {
+            Ok::<_, String>(Format {
+                number,
+                saved_as_half: self.saved_as_half,
+                active_only: self.flags & ACTIVE_MASK != 0,
+                codec: Codec::new(self.flags)?,
+            })
+        };
+        match &self.kind {
+            Kind::Scalar(number) => {
+                tree::read(cursor, format(*number)?, to_world).map(Voxels::Scalar)
+            }
+            Kind::Vector(number) => {
+                tree::read(cursor, format(*number)?, to_world).map(Voxels::Vector)
+            }
+            Kind::Other(kind) => Err(format!(
+                "is of type `{}`, which is not read: export it as float, half, double, vec3s or vec3d in the tree 5_4_3",
+                shown(kind.as_bytes())
+            )),
+        }
+    }
+
+    /// Bytes that hold its tree, at most.
+    pub(super) fn tree_bytes(&self) -> usize {
+        self.tree.rest()
+    }
+}
+
+/// What a file calls something, for a message: one line, not too long.
+pub(super) fn shown(text: &[u8]) -> String {
+    let text = String::from_utf8_lossy(text);
+    let plain = |c: char| if c.is_control() { '\u{fffd}' } else { c };
+    text.chars().map(plain).take(80).collect()
+}
+
+/// Visits a list of metadata, whatever their types.
+pub(super) fn metadata<'a>(
+    cursor: &mut Cursor<'a>,
+    mut visit: impl FnMut(&'a [u8], &'a [u8]),
+) -> Result<(), String> {
+    for _ in 0..cursor.u32()? {
+        let (name, _type, value) = (cursor.string()?, cursor.string()?, cursor.string()?);
+        visit(name, value);
+    }
+    Ok(())
+}
+
+fn class_of(value: &[u8]) -> GridClass {
+    match value {
+        b"fog volume" => GridClass::FogVolume,
+        b"level set" => GridClass::LevelSet,
+        b"staggered" => GridClass::Staggered,
+        _ => GridClass::Unknown,
+    }
+}
+
+/// The name of a class in metadata.
+pub(super) fn class_name(class: GridClass) -> &'static str {
+    match class {
+        GridClass::Unknown => "unknown",
+        GridClass::FogVolume => "fog volume",
+        GridClass::LevelSet => "level set",
+        GridClass::Staggered => "staggered",
+    }
+}
