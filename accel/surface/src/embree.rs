@@ -29,7 +29,7 @@ impl Embree {
     #[inline]
     pub(crate) fn intersect(&self, shapes: &[Shape], ray: &Ray) -> Option<(f32, Met)> {
         let mut query = RayHit::from_ray(segment(ray));
-        // What is no hit is passed by one step of `f32`, then by two, by four: a few dozen at most.
+        // What is no hit is passed by one step of `f32`, then by two, by four: 31 reach the end.
         let mut steps = 1;
         loop {
             self.0
@@ -42,7 +42,7 @@ impl Embree {
             }
             let beyond = query.ray.tfar.max(0.0).to_bits() + steps;
             query = RayHit::from_ray(embree3::Ray {
-                tnear: f32::from_bits(beyond).min(f32::INFINITY),
+                tnear: f32::from_bits(beyond.min(f32::INFINITY.to_bits())),
                 ..segment(ray)
             });
             steps *= 2;
