@@ -3,9 +3,10 @@
 use crate::{AnyPhase, Atmosphere, GridMedium, Homogeneous, Overlap, Procedural, SparseGrid};
 use glam::Vec3;
 use std::ops::ControlFlow;
+use std::sync::Arc;
 use tyndall_core::{Coefficients, FreeFlight, Majorant, Medium, Ray, Sampler, Spectrum};
 
-/// One of the media of this crate, for scenes that mix them.
+/// One of the media of this crate, for scenes that mix them. Clones share their fields.
 #[derive(Clone, Debug)]
 pub enum AnyMedium<S> {
     /// The same everywhere.
@@ -13,11 +14,11 @@ pub enum AnyMedium<S> {
     /// Thinner with height.
     Atmosphere(Atmosphere<S>),
     /// A density grid.
-    Grid(Box<GridMedium<S>>),
+    Grid(Arc<GridMedium<S>>),
     /// A sparse density grid.
-    Sparse(Box<GridMedium<S, SparseGrid>>),
+    Sparse(Arc<GridMedium<S, SparseGrid>>),
     /// A density that the host computes.
-    Procedural(Box<GridMedium<S, Procedural>>),
+    Procedural(Arc<GridMedium<S, Procedural>>),
     /// Several in the same place.
     Overlap(Overlap<S>),
 }

@@ -3,6 +3,7 @@
 use crate::MediumError;
 use glam::{DAffine3, DVec3, IVec3, Vec3};
 use std::fmt::Debug;
+use std::sync::Arc;
 use tyndall_core::{Aabb, Spectrum};
 
 /// A quantity at every point of a box: a density, an albedo, a temperature.
@@ -29,6 +30,28 @@ pub trait Field<T>: Debug + Send + Sync {
 
     /// The cells whose bounds are worth asking for; they cover all that is not zero.
     fn cells(&self) -> Cells;
+}
+
+impl<T, F: Field<T> + ?Sized> Field<T> for Arc<F> {
+    fn bounds(&self) -> Aabb {
+        (**self).bounds()
+    }
+
+    fn lookup(&self, p: Vec3, hint: &mut Hint) -> T {
+        (**self).lookup(p, hint)
+    }
+
+    fn range(&self, region: &Region) -> Range<T> {
+        (**self).range(region)
+    }
+
+    fn check(&self) -> Result<(), MediumError> {
+        (**self).check()
+    }
+
+    fn cells(&self) -> Cells {
+        (**self).cells()
+    }
 }
 
 /// Where in a field the last lookup was.

@@ -5,6 +5,7 @@ use crate::field::{Cells, Field, Hint, Range, Region};
 use crate::lattice::{Lattice, clip, counts};
 use glam::{DAffine3, DVec3, Vec3};
 use std::ops::ControlFlow;
+use std::sync::Arc;
 use tyndall_core::{Aabb, Ray, Spectrum};
 
 /// The nodes of the Gauss–Legendre rule of two points, ±1/√3: exact for cubics.
@@ -24,7 +25,7 @@ pub enum Filter {
 ///
 /// Voxel `[x, y, z]` of `[nx, ny, nz]` is value `(z·ny + y)·nx + x` and has its centre at
 /// (x + ½)/nx, … of the box; outside the outermost centres the value is constant. Mitsuba's
-/// `gridvolume` with wrap mode `clamp` is the same function.
+/// `gridvolume` with wrap mode `clamp` is the same function. Clones share their values.
 ///
 /// ```
 /// use glam::Vec3;
@@ -39,10 +40,17 @@ pub enum Filter {
 pub struct DenseGrid<T = f32> {
     resolution: [usize; 3],
     bounds: Aabb,
-    values: Vec<T>,
+    values: Arc<[T]>,
     filter: Filter,
     /// Voxels per scene unit.
     scale: Vec3,
+}
+
+/// Voxels per scene unit.
+fn scale(resolution: [usize; 3], bounds: Aabb) -> Result<Vec3, MediumError> {
+    let scale = counts(resolution) / bounds.size();
+    let good = has_volume(bounds) && scale.is_finite();
+    good.then_some(scale).ok_or(MediumError::GridBounds)
 }
 
 impl<T: Spectrum> DenseGrid<T> {
@@ -52,10 +60,7 @@ impl<T: Spectrum> DenseGrid<T> {
     /// [`MediumError::GridBounds`] if the box has no volume, [`MediumError::GridValues`] if the
     /// number of values is wrong or zero, [`MediumError::Voxel`] if one is negative or not finite.
     pub fn new(resolution: [usize; 3], bounds: Aabb, values: Vec<T>) -> Result<Self, MediumError> {
-        let scale = counts(resolution) / bounds.size();
-        if !(has_volume(bounds) && scale.is_finite()) {
-            return Err(MediumError::GridBounds);
-        }
+        let scale = scale(resolution, bounds)?;
         let voxels = resolution
             .iter()
             .try_fold(1_usize, |n, &m| n.checked_mul(m));
@@ -66,7 +71,7 @@ impl<T: Spectrum> DenseGrid<T> {
         let grid = Self {
             resolution,
             bounds,
-            values,
+            values: values.into(),
             filter: Filter::default(),
             scale,
         };
@@ -86,6 +91,19 @@ impl<T: Spectrum> DenseGrid<T> {
         Self { filter, ..self }
     }
 
+    /// The same grid in another box.
+    ///
+    /// # Errors
+    /// [`MediumError::GridBounds`] if that has no volume.
+    pub fn with_bounds(self, bounds: Aabb) -> Result<Self, MediumError> {
+        let scale = scale(self.resolution, bounds)?;
+        Ok(Self {
+            bounds,
+            scale,
+            ..self
+        })
+    }
+
     /// The same grid with `f` applied to every value, for instance [`Spectrum::splat`] to make a
     /// coloured grid of a grey one.
     ///
@@ -100,6 +118,11 @@ impl<T: Spectrum> DenseGrid<T> {
     /// Voxels in each axis.
     pub fn resolution(&self) -> [usize; 3] {
         self.resolution
+    }
+
+    /// The voxels, x fastest.
+    pub fn values(&self) -> &[T] {
+        &self.values
     }
 
     /// The box that it fills.

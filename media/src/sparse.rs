@@ -13,6 +13,7 @@ pub use tree::{Piece, Tile};
 use crate::field::{Cells, Field, Hint, Range, Region};
 use crate::{Filter, MediumError};
 use glam::{DAffine3, DVec3, IVec3, Vec3};
+use std::sync::Arc;
 use tree::{Found, LEAF, Tree, leaf_slot};
 use tyndall_core::{Aabb, Spectrum};
 
@@ -21,10 +22,10 @@ use tyndall_core::{Aabb, Spectrum};
 /// those that pass [`Field::check`].
 ///
 /// Voxel (i, j, k) has its centre at `to_world`·(i, j, k), and any affine transformation with an
-/// inverse will do. Memory: see [`SparseGrid::bytes`].
+/// inverse will do. Clones share their voxels; for their memory see [`SparseGrid::bytes`].
 #[derive(Clone, Debug)]
 pub struct SparseGrid<T = f32> {
-    tree: Tree<T>,
+    tree: Arc<Tree<T>>,
     to_world: DAffine3,
     to_index: DAffine3,
     filter: Filter,
@@ -48,20 +49,35 @@ pub struct Statistics<T> {
 
 impl<T: Spectrum> SparseGrid<T> {
     fn of(tree: Tree<T>, to_world: DAffine3) -> Result<Self, MediumError> {
+        let grid = Self {
+            content: content(&tree),
+            tree: Arc::new(tree),
+            to_world: DAffine3::IDENTITY,
+            to_index: DAffine3::IDENTITY,
+            filter: Filter::default(),
+            bounds: Aabb::EMPTY,
+        };
+        grid.transformed(to_world)
+    }
+
+    /// The same grid elsewhere: `by` takes what is there to its new place.
+    ///
+    /// # Errors
+    /// [`MediumError::Transform`] if that, after the grid's own, has no inverse.
+    pub fn transformed(self, by: DAffine3) -> Result<Self, MediumError> {
+        let to_world = by * self.to_world;
         let to_index = to_world.inverse();
         let has_inverse = |m: DAffine3| m.is_finite() && m.matrix3.determinant() != 0.0;
         if !(has_inverse(to_world) && has_inverse(to_index)) {
             return Err(MediumError::Transform);
         }
+        let filter = self.filter;
         let grid = Self {
-            content: content(&tree),
-            tree,
             to_world,
             to_index,
-            filter: Filter::default(),
-            bounds: Aabb::EMPTY,
+            ..self
         };
-        Ok(grid.with_filter(Filter::default()))
+        Ok(grid.with_filter(filter))
     }
 
     /// The same grid, read with another filter.

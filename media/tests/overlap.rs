@@ -8,6 +8,7 @@ mod rays;
 use glam::Vec3;
 use rays::{BOUNDS, awkward_rays, noise, point, ray};
 use std::ops::ControlFlow;
+use std::sync::Arc;
 use tyndall_core::{
     Coefficients, Majorant, Medium, PhaseFunction, Ray, Rgb, Sampler, Spectrum, warp,
 };
@@ -81,7 +82,7 @@ fn mist(sampler: &mut impl Sampler) -> Mist {
 impl Mist {
     fn overlap(&self) -> Overlap<Rgb> {
         let fog = fog(self.fog, Phase::Isotropic);
-        let smoke = AnyMedium::Grid(Box::new(self.smoke.clone()));
+        let smoke = AnyMedium::Grid(Arc::new(self.smoke.clone()));
         Overlap::new(vec![smoke, fog, AnyMedium::Atmosphere(self.haze.clone())]).unwrap()
     }
 
@@ -329,7 +330,7 @@ fn coloured_phase_functions_mix_to_the_right_mean() {
     let parts = [
         fog(mist.fog, Phase::Isotropic),
         AnyMedium::Atmosphere(mist.haze.clone()),
-        AnyMedium::Grid(Box::new(mist.smoke.clone())),
+        AnyMedium::Grid(Arc::new(mist.smoke.clone())),
     ];
     for _ in 0..1000 {
         let p = point(&mut sampler);
@@ -398,7 +399,7 @@ fn extremes_are_finite() {
         let grey = coefficients(Rgb::splat(a), Rgb::splat(b), Rgb::splat(c));
         let ball = GridMedium::new(ball, grey, Phase::Isotropic).unwrap();
         let parts = vec![
-            AnyMedium::Procedural(Box::new(ball)),
+            AnyMedium::Procedural(Arc::new(ball)),
             fog(thin, Phase::Isotropic),
             AnyMedium::Atmosphere(haze),
         ];

@@ -187,7 +187,7 @@ fn albedo_and_emission_may_be_functions_too() {
         .unwrap()
         .with_emission(glow)
         .unwrap();
-    let any = AnyMedium::Procedural(Box::new(smoke));
+    let any = AnyMedium::Procedural(Arc::new(smoke));
     let p = point(&mut rng(4));
     let here = any.coefficients(p);
     let expected = Rgb::new(2.0, 1.0, 0.5) * ((p.x + 1.0) / 3.0);

@@ -4,7 +4,8 @@
 //! priority holds; among equals the one with the smaller box, which is the inner one of two that
 //! are nested. The others are not there: their interfaces inside it are false, and light passes
 //! them unchanged (Schmidt & Budge 2002, "Simple Nested Dielectrics in Ray Traced Images"). One
-//! without an index of refraction fills the others of its priority and leaves their interfaces.
+//! without an index of refraction fills the others of its priority and leaves their interfaces; one
+//! that *adds* shares its place with what holds there without it.
 //!
 //! A [`MediumId`] names a *state*: the set of boundaries around a point, and the medium that fills
 //! space outside all of them. A point can be inside of boundaries only if their boxes meet, each with
@@ -13,6 +14,7 @@
 //! make ten thousand states of a step or two, not a table of a hundred million.
 
 use crate::material::nearly_equal;
+use crate::media::Filling;
 use std::collections::HashMap;
 use tyndall_core::{Aabb, MediumId};
 
@@ -22,10 +24,12 @@ pub(crate) struct Boundary {
     /// The shape whose surface it is.
     pub(crate) shape: usize,
     pub(crate) bounds: Aabb,
-    /// Index of the medium inside; `None` is vacuum.
-    pub(crate) inside: Option<usize>,
-    /// The medium around it where nothing else is, if that is said.
-    pub(crate) outside: Option<Option<usize>>,
+    /// What fills it.
+    pub(crate) inside: Filling,
+    /// Whether that is there besides what would be there without it.
+    pub(crate) adds: bool,
+    /// What is around it where nothing else is, if that is said.
+    pub(crate) outside: Option<Filling>,
     /// Index of refraction inside; `None` if it is that of whatever is around.
     pub(crate) ior: Option<f32>,
     pub(crate) priority: i32,
@@ -33,8 +37,8 @@ pub(crate) struct Boundary {
 
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 struct State {
-    /// Medium outside all boundaries.
-    base: Option<usize>,
+    /// What is outside all boundaries.
+    base: Filling,
     /// Boundaries around the point, the one that holds last.
     members: Vec<u32>,
 }
@@ -59,15 +63,19 @@ pub(crate) struct Boundaries {
     /// For each state that outside of everything, of its base.
     outside: Vec<MediumId>,
     ambient: MediumId,
+    /// What there is but vacuum, each once.
+    fillings: Vec<Filling>,
+    /// For each state the index of what fills it; `None` is vacuum.
+    filled: Vec<Option<usize>>,
 }
 
 /// Steps between states that are kept at most (64 MB), and pairs of boxes that meet.
 const MAX_STEPS: usize = 1 << 23;
 
 impl Boundaries {
-    /// The table of all states that can be, `ambient` being the medium outside of everything;
-    /// `None` if there are too many.
-    pub(crate) fn new(mut boundaries: Vec<Boundary>, ambient: Option<usize>) -> Option<Self> {
+    /// The table of all states that can be, `ambient` being outside of everything; `None` if there
+    /// are too many.
+    pub(crate) fn new(mut boundaries: Vec<Boundary>, ambient: Filling) -> Option<Self> {
         boundaries.sort_by(|a, b| {
             let volume = |b: &Boundary| b.bounds.size().as_dvec3().element_product();
             (a.priority.cmp(&b.priority)).then(volume(b).total_cmp(&volume(a)))
@@ -85,19 +93,25 @@ impl Boundaries {
             steps: Vec::new(),
             outside: Vec::new(),
             ambient: MediumId::VACUUM,
+            fillings: Vec::new(),
+            filled: Vec::new(),
         };
-        table.fill(ambient).then_some(table)
+        if !table.find_states(ambient) {
+            return None;
+        }
+        table.fill();
+        Some(table)
     }
 
     /// Finds all states by walking from one to the next, and the steps with them.
-    fn fill(&mut self, ambient: Option<usize>) -> bool {
+    fn find_states(&mut self, ambient: Filling) -> bool {
         let mut ids = HashMap::new();
         // The first state is vacuum outside of everything: `MediumId::VACUUM`.
-        self.intern(&mut ids, outside_all(None));
+        self.intern(&mut ids, outside_all(Vec::new()));
         self.ambient = self.intern(&mut ids, outside_all(ambient));
         let mut count = 0;
         while let Some(state) = self.states.get(self.steps.len()).cloned() {
-            let outside = self.intern(&mut ids, outside_all(state.base));
+            let outside = self.intern(&mut ids, outside_all(state.base.clone()));
             self.outside.push(outside);
             let crossed = self.crossed(&state);
             count += crossed.len() + state.members.len();
@@ -116,13 +130,49 @@ impl Boundaries {
             self.steps.push(steps);
             if state.members.is_empty() {
                 // Who leaves what he is not known to be in finds what is around it.
-                let around: Vec<_> = self.ranked.iter().filter_map(|b| b.outside).collect();
+                let around: Vec<_> = self
+                    .ranked
+                    .iter()
+                    .filter_map(|b| b.outside.clone())
+                    .collect();
                 for base in around {
                     self.intern(&mut ids, outside_all(base));
                 }
             }
         }
         true
+    }
+
+    /// Finds what fills each state.
+    fn fill(&mut self) {
+        let mut indices = HashMap::new();
+        for state in &self.states {
+            let filling = self.filling_of(state);
+            let filled = (!filling.is_empty()).then(|| {
+                *indices.entry(filling).or_insert_with_key(|filling| {
+                    self.fillings.push(filling.clone());
+                    self.fillings.len() - 1
+                })
+            });
+            self.filled.push(filled);
+        }
+    }
+
+    /// What the boundary that holds has inside; beside that which add, and beside what is outside of
+    /// all if all do.
+    fn filling_of(&self, state: &State) -> Filling {
+        let mut filling = Vec::new();
+        for &m in state.members.iter().rev() {
+            let boundary = &self.ranked[m as usize];
+            filling.extend(&boundary.inside);
+            if !boundary.adds {
+                filling.sort_unstable();
+                return filling;
+            }
+        }
+        filling.extend(&state.base);
+        filling.sort_unstable();
+        filling
     }
 
     fn intern(&mut self, ids: &mut HashMap<State, MediumId>, state: State) -> MediumId {
@@ -156,9 +206,9 @@ impl Boundaries {
     fn left(&self, state: &State, b: u32) -> State {
         let others = state.members.iter().copied().filter(|&m| m != b);
         let members: Vec<_> = others.collect();
-        let base = match self.ranked[b as usize].outside {
-            Some(outside) if members.is_empty() => outside,
-            _ => state.base,
+        let base = match &self.ranked[b as usize].outside {
+            Some(outside) if members.is_empty() => outside.clone(),
+            _ => state.base.clone(),
         };
         State { base, members }
     }
@@ -193,13 +243,25 @@ impl Boundaries {
         around.iter().fold(self.ambient, enter)
     }
 
-    /// Index of the medium that fills a state; `None` is vacuum.
+    /// All that states are filled with, but vacuum.
+    pub(crate) fn fillings(&self) -> &[Filling] {
+        &self.fillings
+    }
+
+    /// What may be outside of all boundaries.
+    pub(crate) fn outside(&self) -> impl Iterator<Item = &Filling> {
+        let bare = self.states.iter().filter(|s| s.members.is_empty());
+        bare.map(|s| &s.base)
+    }
+
+    /// Index of what fills a state; `None` is vacuum.
     pub(crate) fn medium(&self, state: MediumId) -> Option<usize> {
-        let state = self.states.get(state.0 as usize)?;
-        match state.members.last() {
-            Some(&top) => self.ranked[top as usize].inside,
-            None => state.base,
-        }
+        self.filled.get(state.0 as usize).copied().flatten()
+    }
+
+    /// What fills a state.
+    pub(crate) fn filling(&self, state: MediumId) -> &[usize] {
+        self.medium(state).map_or(&[], |i| &self.fillings[i])
     }
 
     /// The state on the side of `b` that is entered or left.
@@ -214,7 +276,7 @@ impl Boundaries {
             };
         }
         // Rounding let a path carry along, or lose, what it now meets: it is where it should be.
-        match self.ranked[b as usize].outside {
+        match &self.ranked[b as usize].outside {
             Some(base) if !entering && state.members.is_empty() => self.outside_with(base),
             _ => here,
         }
@@ -236,7 +298,7 @@ impl Boundaries {
         kept.chain([b]).fold(self.outside[here.0 as usize], enter)
     }
 
-    fn outside_with(&self, base: Option<usize>) -> MediumId {
+    fn outside_with(&self, base: &[usize]) -> MediumId {
         let bare = |s: &State| s.members.is_empty() && s.base == base;
         let found = self
             .outside
@@ -263,7 +325,7 @@ impl Boundaries {
     /// Whether the surface of `b` is not there inside of `a`.
     fn hides(&self, a: u32, b: u32) -> bool {
         let [over, under] = [a, b].map(|i| &self.ranked[i as usize]);
-        a > b && (over.ior.is_some() || over.priority > under.priority)
+        a > b && !over.adds && (over.ior.is_some() || over.priority > under.priority)
     }
 
     /// Whether light may pass the surface of `b` unchanged, in some state: it has no index of its
@@ -279,7 +341,7 @@ impl Boundaries {
     }
 }
 
-fn outside_all(base: Option<usize>) -> State {
+fn outside_all(base: Filling) -> State {
     let members = Vec::new();
     State { base, members }
 }
@@ -288,7 +350,7 @@ fn entered(state: &State, b: u32) -> State {
     let mut members = state.members.clone();
     members.push(b);
     members.sort_unstable();
-    let base = state.base;
+    let base = state.base.clone();
     State { base, members }
 }
 
@@ -339,7 +401,8 @@ mod tests {
                 min: Vec3::splat(-half),
                 max: Vec3::splat(half),
             },
-            inside: Some(shape),
+            inside: vec![shape],
+            adds: false,
             outside: None,
             ior,
             priority,
@@ -350,7 +413,7 @@ mod tests {
     fn glass_of_water() -> Boundaries {
         let glass = boundary(0, 1.0, Some(1.5), 2);
         let water = boundary(1, 0.9, Some(1.33), 1);
-        Boundaries::new(vec![glass, water], None).unwrap()
+        Boundaries::new(vec![glass, water], vec![]).unwrap()
     }
 
     #[test]
@@ -361,15 +424,15 @@ mod tests {
         assert_eq!(air, MediumId::VACUUM);
         assert_eq!(table.relative_ior(glass, air), Some(1.5));
         let in_glass = table.across(glass, true, air);
-        assert_eq!(table.medium(in_glass), Some(0));
+        assert_eq!(table.filling(in_glass), [0]);
         // Inside the wall, the surface of the water is not there.
         assert_eq!(table.relative_ior(water, in_glass), None);
         let in_both = table.across(water, true, in_glass);
-        assert_eq!(table.medium(in_both), Some(0));
+        assert_eq!(table.filling(in_both), [0]);
         // Leaving the wall into the water: glass against water.
         assert_eq!(table.relative_ior(glass, in_both), Some(1.5 / 1.33));
         let in_water = table.across(glass, false, in_both);
-        assert_eq!(table.medium(in_water), Some(1));
+        assert_eq!(table.filling(in_water), [1]);
         assert_eq!(table.across(water, false, in_water), air);
     }
 
@@ -377,11 +440,11 @@ mod tests {
     fn of_equal_priority_the_inner_holds() {
         let fog = boundary(0, 10.0, None, 0);
         let ball = boundary(1, 1.0, Some(1.5), 0);
-        let table = Boundaries::new(vec![ball, fog], None).unwrap();
+        let table = Boundaries::new(vec![ball, fog], vec![]).unwrap();
         let [fog, ball] = [0, 1].map(|s| table.of_shape(s).unwrap());
         let in_fog = table.across(fog, true, table.ambient());
         let in_ball = table.across(ball, true, in_fog);
-        assert_eq!(table.medium(in_ball), Some(1));
+        assert_eq!(table.filling(in_ball), [1]);
         assert_eq!(table.relative_ior(ball, in_fog), Some(1.5));
         assert!(!table.may_be_null(ball) && table.may_be_null(fog));
     }
@@ -393,32 +456,69 @@ mod tests {
         let mut smoke = boundary(1, 1.0, None, 0);
         smoke.bounds.min.x += 10.0;
         smoke.bounds.max.x += 10.0;
-        let table = |smoke| Boundaries::new(vec![glass.clone(), smoke], None).unwrap();
+        let table = |smoke| Boundaries::new(vec![glass.clone(), smoke], vec![]).unwrap();
         let into_glass = |table: &Boundaries| {
             let [glass, smoke] = [0, 1].map(|s| table.of_shape(s).unwrap());
             let in_smoke = table.across(smoke, true, table.ambient());
             let in_both = table.across(glass, true, in_smoke);
-            (table.relative_ior(glass, in_smoke), table.medium(in_both))
+            let filling = table.filling(in_both).to_vec();
+            (table.relative_ior(glass, in_smoke), filling)
         };
         let tied = table(smoke.clone());
-        assert_eq!(into_glass(&tied), (Some(1.5), Some(1)));
+        assert_eq!(into_glass(&tied), (Some(1.5), vec![1]));
         assert!(!tied.may_be_null(tied.of_shape(0).unwrap()));
         let first = table(Boundary {
             priority: 1,
             ..smoke
         });
-        assert_eq!(into_glass(&first), (None, Some(1)));
+        assert_eq!(into_glass(&first), (None, vec![1]));
+    }
+
+    /// Two plumes that overlap, in fog, and a ball of glass in the middle.
+    #[test]
+    fn what_adds_shares_its_place_but_not_that_of_glass() {
+        let adding = |shape, half, inside| Boundary {
+            inside: vec![inside],
+            adds: true,
+            priority: 3,
+            ..boundary(shape, half, None, 0)
+        };
+        let glass = Boundary {
+            priority: 4,
+            ..boundary(2, 0.5, Some(1.5), 0)
+        };
+        let plumes = [adding(0, 2.0, 8), adding(1, 1.0, 5)];
+        let table = Boundaries::new([plumes.to_vec(), vec![glass]].concat(), vec![7]).unwrap();
+        let [outer, inner, glass] = [0, 1, 2].map(|s| table.of_shape(s).unwrap());
+        let in_one = table.across(outer, true, table.ambient());
+        assert_eq!(table.filling(in_one), [7, 8]);
+        let in_two = table.across(inner, true, in_one);
+        assert_eq!(table.filling(in_two), [5, 7, 8]);
+        let in_glass = table.across(glass, true, in_two);
+        assert_eq!(table.filling(in_glass), [2]);
+        assert_eq!(table.relative_ior(glass, in_two), Some(1.5));
+        let in_inner = table.across(outer, false, in_two);
+        assert_eq!(table.filling(in_inner), [5, 7]);
+        // The outer plume may reach into the glass; of higher rank, it fills it as well.
+        let thin = Boundary {
+            priority: 0,
+            ..boundary(2, 0.5, Some(1.5), 0)
+        };
+        let table = Boundaries::new([plumes.to_vec(), vec![thin]].concat(), vec![]).unwrap();
+        let all = table.state(&[0, 1, 2]);
+        assert_eq!(table.filling(all), [2, 5, 8]);
+        assert_eq!(table.relative_ior(0, all), Some(1.5), "the glass is seen");
     }
 
     #[test]
     fn outside_replaces_what_is_around() {
         let sea = Boundary {
-            outside: Some(None),
+            outside: Some(vec![]),
             ..boundary(0, 1.0, None, 0)
         };
-        let table = Boundaries::new(vec![sea], Some(7)).unwrap();
+        let table = Boundaries::new(vec![sea], vec![7]).unwrap();
         let sea = table.of_shape(0).unwrap();
-        assert_eq!(table.medium(table.ambient()), Some(7));
+        assert_eq!(table.filling(table.ambient()), [7]);
         assert_eq!(table.across(sea, false, table.ambient()), MediumId::VACUUM);
     }
 
@@ -434,7 +534,7 @@ mod tests {
                 b
             })
             .collect();
-        let table = Boundaries::new(boxes, Some(99)).unwrap();
+        let table = Boundaries::new(boxes, vec![99]).unwrap();
         let (mut here, mut inside, mut seed) = (table.ambient(), Vec::<u32>::new(), 1_u32);
         for _ in 0..10_000 {
             seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -448,7 +548,7 @@ mod tests {
                 inside.retain(|&m| m != b);
             }
             assert_eq!(table.states[here.0 as usize].members, inside);
-            assert_eq!(table.states[here.0 as usize].base, Some(99));
+            assert_eq!(table.states[here.0 as usize].base, [99]);
         }
     }
 
@@ -462,7 +562,7 @@ mod tests {
             ball
         });
         let fog = boundary(0, 1e3, None, 0);
-        let table = Boundaries::new(balls.chain([fog]).collect(), None).unwrap();
+        let table = Boundaries::new(balls.chain([fog]).collect(), vec![]).unwrap();
         assert_eq!(table.states.len(), 2 * 10_001);
         let steps: usize = table.steps.iter().map(Vec::len).sum();
         assert_eq!(steps, 10_001 + 10_001 + 10_000 * 2 + 10_000 * 2);
@@ -477,9 +577,9 @@ mod tests {
             ball
         });
         let fog = boundary(0, 1e3, None, 0);
-        let table = Boundaries::new(balls.chain([fog]).collect(), None).unwrap();
+        let table = Boundaries::new(balls.chain([fog]).collect(), vec![]).unwrap();
         assert_eq!(table.states.len(), 2 * 201);
         let crowd = (0..40).map(|i| boundary(i, 1.0, Some(1.5), 0));
-        assert!(Boundaries::new(crowd.collect(), None).is_none());
+        assert!(Boundaries::new(crowd.collect(), vec![]).is_none());
     }
 }

@@ -13,15 +13,16 @@ mod reader;
 mod shape;
 mod texture;
 mod view;
+mod volume;
 
-pub(crate) use material::{Material, MediumName};
+pub(crate) use material::Material;
 pub(crate) use shape::{Solid, around_points};
 pub use view::{IntegratorConfig, Scattering};
 
 use crate::camera::Camera;
 use crate::files::Files;
 use crate::light::Light;
-use crate::media::MediumDescription;
+use crate::media::{Filling, MediumDescription};
 use crate::spectrum::is_grey;
 use crate::texture::Budget;
 use crate::{Error, Place, Scene};
@@ -38,8 +39,8 @@ use tyndall_surface::{Backend, Shape};
 pub struct SceneFile {
     pub(crate) path: PathBuf,
     pub(crate) camera: Camera,
-    /// The medium that the file says is around the camera, and where it says so.
-    pub(crate) camera_medium: Option<(MediumName, Place)>,
+    /// What the file says is around the camera, and where it says so.
+    pub(crate) camera_medium: Option<(Filling, Place)>,
     pub(crate) media_names: Vec<String>,
     pub(crate) media: Vec<MediumDescription>,
     pub(crate) materials: Vec<Material>,
@@ -121,17 +122,25 @@ impl SceneFile {
         (files, budget): (&Files, &Budget),
     ) -> Result<Self, Error> {
         let table = Field::root(root).table()?;
-        let media = media_fields(&table)?;
-        let names: Vec<_> = media.iter().map(|(name, _)| *name).collect();
+        let fields = media_fields(&table)?;
+        let names: Vec<_> = fields.iter().map(|(name, _)| *name).collect();
+        let volumes = volume::Volumes::new(files);
+        let media = fields
+            .iter()
+            .map(|(_, field)| medium::read(field, &volumes));
+        let mut media: Vec<_> = media.collect::<Result<_, _>>()?;
         let mut media_names: Vec<_> = names.iter().map(|&name| name.into()).collect();
         let mut shapes = materials_and_shapes(&table, (files, budget), &names)?;
-        let fields = listed(&table, "include")?;
-        let included_media = included.add_to(&fields, &mut shapes, &mut media_names)?;
+        let includes = listed(&table, "include")?;
+        let added = included.add_to(&includes, &mut shapes, &mut media_names)?;
         let (materials, placed) = (shapes.materials, shapes.placed);
-        let origin = origin(&placed);
+        let origin = origin(&placed, &media);
+        for ((_, field), medium) in fields.iter().zip(&media) {
+            medium.build::<Rgb>(origin).map_err(|e| field.error(e))?;
+        }
+        media.extend(added);
         let (camera, film) = (table.required("camera")?, table.required("film")?);
         let (camera, camera_medium) = view::read(&camera, &film, &names, origin)?;
-        let media = (media.iter()).map(|(_, field)| medium::read(field, files, origin));
         let place = |p: shape::Placed| {
             let is_boundary = materials[p.material].bsdf.transmits();
             p.place(origin, is_boundary)
@@ -142,9 +151,7 @@ impl SceneFile {
             path: path.to_owned(),
             camera,
             camera_medium,
-            media: media
-                .chain(included_media.into_iter().map(Ok))
-                .collect::<Result<_, _>>()?,
+            media,
             media_names,
             materials,
             parts,
@@ -158,6 +165,7 @@ impl SceneFile {
                 .notices
                 .into_iter()
                 .chain(included.notices())
+                .chain(volumes.notices())
                 .collect(),
             sources: files.all(),
         })
@@ -178,6 +186,18 @@ impl SceneFile {
         grey &= self.lights.iter().all(|light| light.source.is_grey());
         let textured = |part: &Part| self.materials[part.material].maps.are_grey();
         grey && self.parts.iter().all(textured) && self.media.iter().all(MediumDescription::is_grey)
+    }
+
+    /// The names of media that fill the same place.
+    pub(crate) fn filling_name(&self, filling: &[usize]) -> String {
+        if filling.is_empty() {
+            return "vacuum".into();
+        }
+        let names: Vec<_> = filling
+            .iter()
+            .map(|&m| self.media_names[m].as_str())
+            .collect();
+        names.join(" + ")
     }
 
     /// What of the files was left out, a line each: for people to read.
@@ -232,9 +252,14 @@ impl shape::Placed {
     }
 }
 
-/// The centre of the shapes if it is farther from 0 than they are large, else 0.
-fn origin(placed: &[shape::Placed]) -> DVec3 {
-    let [min, max] = around_points(placed.iter().flat_map(|p| p.solid.bounds()));
+/// The centre of the shapes (of the grids, if there are none) if it is farther from 0 than they are
+/// large, else 0.
+fn origin(placed: &[shape::Placed], media: &[MediumDescription]) -> DVec3 {
+    let grids = media.iter().filter_map(MediumDescription::grid);
+    let grids = grids.map(|grid| grid.density.bounds(DVec3::ZERO));
+    let grids = grids.filter(|b| placed.is_empty() && !b.is_empty());
+    let corners = grids.flat_map(|b| [b.min.as_dvec3(), b.max.as_dvec3()]);
+    let [min, max] = around_points(placed.iter().flat_map(|p| p.solid.bounds()).chain(corners));
     let center = 0.5 * (min + max);
     if center.length() > (max - min).length() {
         center

@@ -130,7 +130,7 @@ pub(crate) fn load(
         let name = index.and_then(|i| document.root.materials[i].name.clone());
         let name = name.unwrap_or_default();
         if let Some(medium) = read.medium {
-            material.inside = Some(loaded.media.len());
+            material.inside = vec![loaded.media.len()];
             loaded.media.push((format!("inside of {name}"), medium));
         }
         loaded.materials.push(Named { name, material });

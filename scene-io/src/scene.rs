@@ -2,22 +2,24 @@
 
 use crate::boundary::{Boundaries, Boundary};
 use crate::camera::Camera;
-use crate::file::{MediumName, SceneFile};
+use crate::file::SceneFile;
 use crate::light::{Area, Light, Lights, Source, World};
 use crate::locate::boundaries_around;
 use crate::look::Look;
+use crate::media::{Filling, glow_without_end, together};
 use crate::spectrum::convert;
 use crate::{Error, Place, View};
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 use tyndall_core::{Aabb, Anchor, MediumId, Spectrum};
-use tyndall_media::AnyMedium;
+use tyndall_media::{AnyMedium, MediumError};
 use tyndall_surface::{Backend, Surfaces};
 
 /// A scene, ready to be rendered: it implements every trait of a host.
 pub struct Scene<S> {
     pub(crate) surfaces: Surfaces,
     pub(crate) looks: Vec<Look<S>>,
+    /// By the number of what fills a place, see [`Boundaries::medium`].
     pub(crate) media: Vec<AnyMedium<S>>,
     pub(crate) boundaries: Boundaries,
     pub(crate) lights: Lights<S>,
@@ -43,11 +45,12 @@ impl<S: Spectrum> Scene<S> {
         let shapes = file.parts.iter().map(|p| p.shape.clone()).collect();
         let surfaces = Surfaces::build(shapes, backend).map_err(|e| problem(e.to_string()))?;
         let boundaries = boundaries(file, &surfaces, &looks)?;
-        let media: Result<_, _> = file.media.iter().map(|m| m.build()).collect();
+        let media = media(file, &boundaries).map_err(|e| problem(e.to_string()))?;
         let camera_medium = locate(file.camera.position(), &surfaces, &boundaries, &looks);
         let lamps = Aabb::of_points(file.lights.iter().filter_map(|l| l.source.position()));
         let lights = lights(file, &looks, &surfaces, &boundaries);
         let bounds = surfaces.bounds().union(lamps);
+        let bounds = bounds.union(unbounded_grids(file, &boundaries));
         let lights = Lights::new(lights, World::around(bounds), boundaries.ambient());
         if !lights.power().is_finite() {
             let why =
@@ -60,7 +63,7 @@ impl<S: Spectrum> Scene<S> {
                 || looks.iter().any(Look::may_be_cut),
             surfaces,
             looks,
-            media: media.map_err(|e| problem(e.to_string()))?,
+            media,
             boundaries,
             camera: file.camera.clone(),
             camera_medium,
@@ -84,6 +87,27 @@ impl<S: Spectrum> Scene<S> {
     pub(crate) fn locate(&self, p: Vec3) -> MediumId {
         locate(p, &self.surfaces, &self.boundaries, &self.looks)
     }
+}
+
+/// For every filling of a state the media that it consists of, as one.
+fn media<S: Spectrum>(
+    file: &SceneFile,
+    boundaries: &Boundaries,
+) -> Result<Vec<AnyMedium<S>>, MediumError> {
+    let built = file.media.iter().map(|m| m.build(file.origin));
+    let built: Vec<_> = built.collect::<Result<_, _>>()?;
+    let fillings = boundaries.fillings().iter();
+    fillings
+        .map(|filling| together(filling.iter().map(|&m| built[m].clone()).collect()))
+        .collect()
+}
+
+/// The boxes of the grids that are not inside of shapes.
+fn unbounded_grids(file: &SceneFile, boundaries: &Boundaries) -> Aabb {
+    let outside = boundaries.outside().flatten();
+    let grids = outside.filter_map(|&m| file.media[m].grid());
+    let boxes = grids.map(|grid| grid.density.bounds(file.origin));
+    boxes.fold(Aabb::EMPTY, Aabb::union)
 }
 
 /// One a shape; what materials share is made once.
@@ -123,7 +147,7 @@ fn boundaries<S: Spectrum>(
             .filter_map(|(shape, part)| part.boundary(shape, file))
             .collect()
     };
-    let build = |ambient| {
+    let build = |ambient: Filling| {
         Boundaries::new(list(), ambient).ok_or_else(|| Error::Build {
             path: file.path.clone(),
             problem: "too many shapes that light can enter have overlapping bounding boxes: \
@@ -131,38 +155,36 @@ fn boundaries<S: Spectrum>(
                 .into(),
         })
     };
-    let table = build(None)?;
+    let table = build(Vec::new())?;
     let Some((named, place)) = &file.camera_medium else {
         return Ok(table);
     };
     let around = boundaries_around(file.camera.position(), surfaces, &table, looks);
     if around.is_empty() {
-        let glows = named.is_some_and(|m| file.media[m].glows_without_end());
-        return if glows {
+        return if glow_without_end(named.iter().map(|&m| &file.media[m])) {
             Err(camera_medium_error(
                 place,
                 "glows and does not absorb (in some channel), and fills unbounded space, which \
                  would be infinitely bright: give it `sigma_a`, or put it into a shape",
             ))
         } else {
-            build(*named)
+            build(named.clone())
         };
     }
-    let found = table.medium(table.state(&around));
-    if found == *named {
+    let found = table.filling(table.state(&around));
+    if found == named {
         return Ok(table);
     }
-    Err(contradiction(file, place, *named, found))
+    Err(contradiction(file, place, named, found))
 }
 
-fn contradiction(file: &SceneFile, place: &Place, named: MediumName, found: MediumName) -> Error {
-    let name = |medium: MediumName| medium.map_or("vacuum", |m| &file.media_names[m]).to_owned();
+fn contradiction(file: &SceneFile, place: &Place, named: &[usize], found: &[usize]) -> Error {
     camera_medium_error(
         place,
         format!(
             "is {:?}, but the camera is inside a shape filled with {:?}: remove the key",
-            name(named),
-            name(found)
+            file.filling_name(named),
+            file.filling_name(found)
         ),
     )
 }
@@ -235,8 +257,9 @@ impl crate::file::Part {
         material.bsdf.transmits().then(|| Boundary {
             shape,
             bounds: self.bounds,
-            inside: material.inside,
-            outside: material.outside,
+            inside: material.inside.clone(),
+            adds: material.adds,
+            outside: material.outside.clone(),
             ior: material.bsdf.ior(),
             priority: material.priority,
         })

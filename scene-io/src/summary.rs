@@ -49,18 +49,18 @@ pub struct CameraSummary {
     pub position: [f64; 3],
     /// Width and height of the picture, in pixels.
     pub resolution: [u32; 2],
-    /// Name of the medium around it; `None` in vacuum.
+    /// Names of the media around it, with ` + ` between; `None` in vacuum.
     pub medium: Option<String>,
 }
 
 impl Summary {
     /// Of a scene and the file that it was built from.
     pub fn new<S: Spectrum>(file: &SceneFile, scene: &Scene<S>) -> Self {
-        let name = |medium: Option<usize>| medium.map(|m| file.media_names[m].clone());
+        let around = scene.boundaries.filling(scene.camera_medium);
         let camera = CameraSummary {
             position: (file.camera.position().as_dvec3() + file.origin).to_array(),
             resolution: file.camera.resolution(),
-            medium: name(scene.boundaries.medium(scene.camera_medium)),
+            medium: (!around.is_empty()).then(|| file.filling_name(around)),
         };
         let lights = lights::summarise(scene);
         let media = media::summarise(file, scene);

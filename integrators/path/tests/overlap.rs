@@ -33,7 +33,7 @@ fn mist() -> Overlap<Rgb> {
     let backward = Phase::henyey_greenstein(-0.4).expect("a valid mean cosine");
     let fog = Homogeneous::new(scattering(Rgb::new(0.8, 0.2, 0.0)), backward);
     let parts = vec![
-        AnyMedium::Grid(Box::new(smoke.expect("a medium"))),
+        AnyMedium::Grid(Arc::new(smoke.expect("a medium"))),
         AnyMedium::Atmosphere(haze.expect("a medium")),
         AnyMedium::Homogeneous(fog.expect("a medium")),
     ];

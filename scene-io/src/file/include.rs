@@ -94,7 +94,7 @@ impl Included {
             }
             for named in file.materials.drain(..) {
                 let mut material = named.material;
-                material.inside = material.inside.map(|m| m + first_medium);
+                material.inside.iter_mut().for_each(|m| *m += first_medium);
                 scene.materials.push(material);
             }
             for (solid, i) in file.shapes.drain(..) {

@@ -6,6 +6,7 @@ use crate::Error;
 use crate::material::{
     AlphaMode, Bsdf, Maps, MetallicRoughness, NormalMap, RoughConductor, ScalarMap,
 };
+use crate::media::Filling;
 use crate::texture::ColourSpace;
 use tyndall_core::Rgb;
 
@@ -16,14 +17,13 @@ pub(crate) struct Material {
     /// Radiance emitted on the side of the normal.
     pub(crate) emission: Rgb,
     pub(crate) maps: Maps,
-    pub(crate) inside: MediumName,
+    pub(crate) inside: Filling,
+    /// Whether that shares its place with what is there without the shape.
+    pub(crate) adds: bool,
     /// What lies around the surface where no other shape contains it, if the file says.
-    pub(crate) outside: Option<MediumName>,
+    pub(crate) outside: Option<Filling>,
     pub(crate) priority: i32,
 }
-
-/// A medium, or vacuum.
-pub(crate) type MediumName = Option<usize>;
 
 impl Material {
     /// One that light does not enter.
@@ -32,7 +32,8 @@ impl Material {
             bsdf,
             emission,
             maps: Maps::default(),
-            inside: None,
+            inside: Vec::new(),
+            adds: false,
             outside: None,
             priority: 0,
         }
@@ -66,10 +67,13 @@ pub(super) fn read(
     material.maps = maps;
     if bsdf.transmits() {
         if let Some(name) = table.optional("inside") {
-            material.inside = medium_name(&name, media)?;
+            material.inside = filling(&name, media)?;
+        }
+        if let (Bsdf::Null, Some(adds)) = (bsdf, table.optional("adds")) {
+            material.adds = adds.boolean()?;
         }
         if let Some(name) = table.optional("outside") {
-            material.outside = Some(medium_name(&name, media)?);
+            material.outside = Some(filling(&name, media)?);
         }
         if let Some(priority) = table.optional("priority") {
             material.priority = priority.integer(i32::MIN.into(), i32::MAX.into())? as i32;
@@ -212,8 +216,19 @@ fn roughness(table: &Table<'_>) -> Result<Option<f32>, Error> {
     Ok((alpha > 0.0).then_some(alpha))
 }
 
-/// The medium of this name; `vacuum` is none.
-pub(super) fn medium_name(field: &Field<'_>, media: &[&str]) -> Result<MediumName, Error> {
-    let names: Vec<_> = ["vacuum"].iter().chain(media).copied().collect();
-    Ok(field.name_in("medium", &names)?.checked_sub(1))
+/// The medium of a name, or several in the same place; `vacuum` is none.
+pub(super) fn filling(field: &Field<'_>, media: &[&str]) -> Result<Filling, Error> {
+    if !field.is_array() {
+        let names: Vec<_> = ["vacuum"].iter().chain(media).copied().collect();
+        let found = field.name_in("medium", &names)?.checked_sub(1);
+        return Ok(found.into_iter().collect());
+    }
+    let names = field.elements()?;
+    let found = names.iter().map(|name| name.name_in("medium", media));
+    let mut filling: Filling = found.collect::<Result<_, _>>()?;
+    filling.sort_unstable();
+    match filling.windows(2).find(|pair| pair[0] == pair[1]) {
+        Some(pair) => Err(field.error(format!("has {:?} twice: remove one", media[pair[0]]))),
+        None => Ok(filling),
+    }
 }

@@ -1,43 +1,38 @@
 //! `[media.NAME]`.
 
 use super::reader::{Field, Table};
+use super::shape::transform;
+use super::volume::{Placing, Source, UNIT, Volumes};
 use crate::Error;
-use crate::files::Files;
-use crate::media::{Grid, MediumDescription};
-use crate::vol::{Volume, read_vol};
-use glam::DVec3;
-use std::fmt::Display;
-use tyndall_core::{Aabb, Coefficients, Rgb, Spectrum};
-use tyndall_media::{DenseGrid, MediumError, Phase, Tracking};
+use crate::media::{Boxed, Colours, Density, Glow, Grid, MediumDescription, Scalars};
+use glam::{DAffine3, DVec3};
+use tyndall_core::{Coefficients, Rgb, Spectrum};
+use tyndall_media::{BlackBody, Filter, Phase, Tracking};
 
-/// Reads a medium; `files` gets those that it names, `origin` the point that becomes 0.
-pub(super) fn read(
-    field: &Field<'_>,
-    files: &Files,
-    origin: DVec3,
-) -> Result<MediumDescription, Error> {
+/// Reads a medium, and the volume files that it names.
+pub(super) fn read(field: &Field<'_>, volumes: &Volumes<'_>) -> Result<MediumDescription, Error> {
     let table = field.table()?;
-    let kind = table.required("kind")?.one_of(&["homogeneous", "grid"])?;
+    let kind = table
+        .required("kind")?
+        .one_of(&["homogeneous", "atmosphere", "grid"])?;
     let phase = match table.optional("phase") {
         Some(field) => phase(&field)?,
         None => Phase::Isotropic,
     };
-    let (coefficients, grid) = match kind {
-        "homogeneous" => (homogeneous(&table)?, None),
-        _ => grid(&table, files, origin)?,
+    let (coefficients, density) = match kind {
+        "homogeneous" => (coefficients(&table)?, Density::Constant),
+        "atmosphere" => (coefficients(&table)?, atmosphere(&table)?),
+        _ => {
+            let (coefficients, grid) = grid(&table, volumes)?;
+            (coefficients, Density::Grid(Box::new(grid)))
+        }
     };
     table.finish()?;
-    let description = MediumDescription {
+    Ok(MediumDescription {
         coefficients,
         phase,
-        grid,
-    };
-    let built = description.build::<Rgb>();
-    built.map_err(|e| match (&e, table.optional("albedo")) {
-        (MediumError::Albedo { .. }, Some(albedo)) => of_file(&albedo, files, e),
-        _ => field.error(e),
-    })?;
-    Ok(description)
+        density,
+    })
 }
 
 fn colour_or_black(table: &Table<'_>, key: &'static str) -> Result<Rgb, Error> {
@@ -46,7 +41,7 @@ fn colour_or_black(table: &Table<'_>, key: &'static str) -> Result<Rgb, Error> {
         .map_or(Ok(Rgb::default()), |field| field.colour())
 }
 
-fn homogeneous(table: &Table<'_>) -> Result<Coefficients<Rgb>, Error> {
+fn coefficients(table: &Table<'_>) -> Result<Coefficients<Rgb>, Error> {
     table.expect(&["sigma_a", "sigma_s", "emission"]);
     Ok(Coefficients {
         sigma_a: table.required("sigma_a")?.colour()?,
@@ -55,33 +50,63 @@ fn homogeneous(table: &Table<'_>) -> Result<Coefficients<Rgb>, Error> {
     })
 }
 
-fn grid(
-    table: &Table<'_>,
-    files: &Files,
-    origin: DVec3,
-) -> Result<(Coefficients<Rgb>, Option<Grid>), Error> {
+fn atmosphere(table: &Table<'_>) -> Result<Density, Error> {
+    let vector = |key| table.optional(key).map(|f| f.vector()).transpose();
+    let up = table.optional("up").map(|f| f.direction()).transpose()?;
+    Ok(Density::Exponential {
+        origin: vector("origin")?.unwrap_or(DVec3::ZERO),
+        up: up.unwrap_or(DVec3::Y),
+        scale_height: table.required("scale_height")?.positive()?,
+    })
+}
+
+fn grid(table: &Table<'_>, volumes: &Volumes<'_>) -> Result<(Coefficients<Rgb>, Grid), Error> {
     let sigma_t = table.required("scale")?.colour()?;
-    let (density, bounds) = density(table, files, origin)?;
-    let mut albedo = Rgb::default();
-    let albedo_grid = match table.required("albedo")? {
-        field if field.is_string() => Some(colours(&field, files, bounds)?),
-        field => {
-            albedo = field.fraction()?;
-            None
-        }
+    let (density, source, placing) = density(table, volumes)?;
+    let other = source.as_ref().filter(|source| !source.is_dense());
+    let colours = |field: &Field<'_>, usual| {
+        let (source, factor) = if field.is_table() {
+            let table = field.table()?;
+            let source = Source::of(&table, usual, other)?;
+            let factor = factor(&table)?;
+            table.finish()?;
+            (source, factor)
+        } else {
+            (Source::file(field, usual)?, 1.0)
+        };
+        let values = volumes.colours(&source, &placing)?;
+        Ok::<_, Error>(Colours { values, factor })
     };
-    let mut emission = Rgb::default();
-    let emission_grid = match table.optional("emission") {
-        Some(field) if field.is_string() => Some(colours(&field, files, bounds)?),
-        Some(field) => {
-            emission = field.colour()?;
-            None
+    let varies = |field: &Field<'_>| field.is_string() || field.is_table();
+    let (mut albedo, mut albedo_grid) = (Rgb::default(), None);
+    match table.required("albedo")? {
+        field if varies(&field) => {
+            let grid = colours(&field, "albedo")?;
+            if !grid.max().0.cmple(glam::Vec3::ONE).all() {
+                return Err(field.error(format!(
+                    "exceeds 1 (its largest colour is {:?}): choose a smaller `factor`",
+                    grid.max().0.to_array()
+                )));
+            }
+            albedo_grid = Some(grid);
         }
-        None => None,
-    };
-    let tracking = match table.optional("transmittance") {
-        Some(field) if field.one_of(&["ratio", "regular"])? == "regular" => Tracking::Regular,
-        _ => Tracking::Ratio,
+        field => albedo = field.fraction()?,
+    }
+    let (mut emission, mut glow) = (Rgb::default(), None);
+    match (table.optional("emission"), table.optional("temperature")) {
+        (Some(_), Some(both)) => {
+            return Err(both.error("`emission` and `temperature` exclude each other: remove one"));
+        }
+        (Some(field), None) if varies(&field) => {
+            glow = Some(Glow::Emission(colours(&field, "emission")?));
+        }
+        (Some(field), None) => emission = field.colour()?,
+        (None, Some(field)) => glow = Some(heat(&field, other, volumes, &placing)?),
+        (None, None) => {}
+    }
+    let tracking = match density {
+        Scalars::Dense(_) => tracking(table)?,
+        Scalars::Sparse(_) => Tracking::Ratio,
     };
     let coefficients = Coefficients {
         sigma_a: sigma_t * albedo.map(|a| 1.0 - a),
@@ -91,85 +116,116 @@ fn grid(
     let grid = Grid {
         density,
         albedo: albedo_grid,
-        emission: emission_grid,
+        glow,
         tracking,
     };
-    Ok((coefficients, Some(grid)))
+    Ok((coefficients, grid))
 }
 
-/// The density, from a file or made, and its box.
-fn density(table: &Table<'_>, files: &Files, origin: DVec3) -> Result<(DenseGrid, Aabb), Error> {
-    let (source, made) = table.either("file", "plume")?;
-    let corners = match (table.optional("min"), table.optional("max")) {
+/// Of all values of a grid.
+fn factor(table: &Table<'_>) -> Result<f32, Error> {
+    table
+        .optional("factor")
+        .map_or(Ok(1.0), |f| f.not_negative())
+}
+
+fn tracking(table: &Table<'_>) -> Result<Tracking, Error> {
+    match table.optional("transmittance") {
+        Some(field) if field.one_of(&["ratio", "regular"])? == "regular" => Ok(Tracking::Regular),
+        _ => Ok(Tracking::Ratio),
+    }
+}
+
+/// `temperature`: what a grid makes glow.
+fn heat(
+    field: &Field<'_>,
+    other: Option<&Source<'_>>,
+    volumes: &Volumes<'_>,
+    placing: &Placing,
+) -> Result<Glow, Error> {
+    let table = field.table()?;
+    let source = Source::of(&table, "temperature", other)?;
+    let factor = factor(&table)?;
+    let (mut body, mut luminance) = (BlackBody::absolute(), 1.0);
+    if let Some(field) = table.optional("relative_to") {
+        let kelvin = field.number()? as f32;
+        body = BlackBody::relative_to(kelvin).map_err(|e| field.error(e))?;
+        let field = table.optional("luminance");
+        luminance = field.map_or(Ok(1.0), |f| f.not_negative())?;
+    }
+    table.finish()?;
+    Ok(Glow::Heat {
+        temperature: volumes.scalars(&source, placing)?,
+        factor,
+        body,
+        luminance,
+    })
+}
+
+/// The density, the file that it is from or `None` if it is made, and how its grids are placed.
+fn density<'a>(
+    table: &Table<'a>,
+    volumes: &Volumes<'_>,
+) -> Result<(Scalars, Option<Source<'a>>, Placing), Error> {
+    let (field, made) = table.either("file", "plume")?;
+    let filter = match table.optional("filter") {
+        Some(field) if field.one_of(&["trilinear", "nearest"])? == "nearest" => Filter::Nearest,
+        _ => Filter::Trilinear,
+    };
+    let mut placing = Placing {
+        transform: DAffine3::IDENTITY,
+        corners: None,
+        filter,
+    };
+    if made {
+        let corners = corners(table)?;
+        let corners =
+            corners.ok_or_else(|| field.error("a plume needs `min` and `max`: add them"))?;
+        placing.corners = Some(corners);
+        return Ok((plume(&field, corners, filter)?, None, placing));
+    }
+    let source = Source::of(table, "density", None)?;
+    if source.is_dense() {
+        placing.corners = corners(table)?;
+    } else {
+        placing.transform = transform(table)?;
+    }
+    let density = volumes.scalars(&source, &placing)?;
+    if let Scalars::Dense(boxed) = &density {
+        placing.corners = Some(boxed.corners);
+    }
+    Ok((density, Some(source), placing))
+}
+
+/// `min` and `max`.
+fn corners(table: &Table<'_>) -> Result<Option<[DVec3; 2]>, Error> {
+    match (table.optional("min"), table.optional("max")) {
         (Some(min), Some(max)) => {
             let corners = [min.vector()?, max.vector()?];
             if !corners[0].cmplt(corners[1]).all() {
                 return Err(max.error("must exceed `min` in x, y and z"));
             }
-            Some(corners)
+            Ok(Some(corners))
         }
-        (None, None) => None,
+        (None, None) => Ok(None),
         (Some(one), None) | (None, Some(one)) => {
-            return Err(one.error("`min` and `max` go together: add the other"));
+            Err(one.error("`min` and `max` go together: add the other"))
         }
-    };
-    let place = |[min, max]: [DVec3; 2]| Aabb {
-        min: (min - origin).as_vec3(),
-        max: (max - origin).as_vec3(),
-    };
-    if made {
-        let corners =
-            corners.ok_or_else(|| source.error("a plume needs `min` and `max`: add them"))?;
-        let bounds = place(corners);
-        return Ok((plume(&source, bounds)?, bounds));
     }
-    let voxels = volume(&source, files)?;
-    let bounds = place(corners.unwrap_or(voxels.bounds));
-    if voxels.channels != 1 {
-        let n = voxels.channels;
-        let why = format!("has {n} channels, and a density has 1: write one of 1");
-        return Err(of_file(&source, files, why));
-    }
-    let grid = DenseGrid::new(voxels.resolution, bounds, voxels.values);
-    Ok((grid.map_err(|e| of_file(&source, files, e))?, bounds))
 }
 
 /// A procedural plume whose longest edge has `resolution` voxels.
-fn plume(field: &Field<'_>, bounds: Aabb) -> Result<DenseGrid, Error> {
+fn plume(field: &Field<'_>, corners: [DVec3; 2], filter: Filter) -> Result<Scalars, Error> {
     let table = field.table()?;
     let resolution = table.required("resolution")?.integer(2, 512)?;
     let seed = (table.optional("seed")).map_or(Ok(0), |f| f.integer(0, i64::from(u32::MAX)))?;
     table.finish()?;
-    let size = bounds.size();
-    let voxels = (size / size.max_element() * resolution as f32).round();
+    let size = corners[1] - corners[0];
+    let voxels = (size / size.max_element() * resolution as f64).round();
     let counts = voxels.to_array().map(|n| (n as usize).max(1));
-    tyndall_media::plume(counts, bounds, seed as u32).map_err(|e| field.error(e))
-}
-
-/// A grid of one or three channels, in the box of the density.
-fn colours(field: &Field<'_>, files: &Files, bounds: Aabb) -> Result<DenseGrid<Rgb>, Error> {
-    let voxels = volume(field, files)?;
-    let values = match voxels.channels {
-        1 => voxels.values.into_iter().map(Rgb::splat).collect(),
-        3 => (voxels.values.chunks_exact(3))
-            .map(|c| Rgb::new(c[0], c[1], c[2]))
-            .collect(),
-        n => {
-            let why = format!("has {n} channels: write one of 1 or 3 channels");
-            return Err(of_file(field, files, why));
-        }
-    };
-    DenseGrid::new(voxels.resolution, bounds, values).map_err(|e| of_file(field, files, e))
-}
-
-fn volume(field: &Field<'_>, files: &Files) -> Result<Volume, Error> {
-    read_vol(&files.named(field.string()?)).map_err(|e| field.error(e))
-}
-
-/// A complaint about the file that `field` names.
-fn of_file(field: &Field<'_>, files: &Files, problem: impl Display) -> Error {
-    let path = files.named(field.string().unwrap_or_default());
-    field.error(format!("{}: {problem}", path.display()))
+    let grid = tyndall_media::plume(counts, UNIT, seed as u32).map_err(|e| field.error(e))?;
+    let grid = grid.with_filter(filter);
+    Ok(Scalars::Dense(Boxed { grid, corners }))
 }
 
 fn phase(field: &Field<'_>) -> Result<Phase, Error> {

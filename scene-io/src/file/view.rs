@@ -1,9 +1,10 @@
 //! `[camera]` and `[integrator]`.
 
 use super::film;
-use super::material::{MediumName, medium_name};
+use super::material::filling;
 use super::reader::{Field, Table};
 use crate::camera::{Across, Camera, Lens, Pose};
+use crate::media::Filling;
 use crate::{Error, Place};
 use glam::DVec3;
 
@@ -32,8 +33,8 @@ pub enum Scattering {
     None,
 }
 
-/// The camera, and the medium it names.
-pub(super) type View = (Camera, Option<(MediumName, Place)>);
+/// The camera, and what is around it if it says.
+pub(super) type View = (Camera, Option<(Filling, Place)>);
 
 /// Reads the camera, over the film that `[film]` describes; `origin` is the point that becomes 0.
 pub(super) fn read(
@@ -68,7 +69,7 @@ pub(super) fn read(
         Camera::perspective(pose, across(angle.to_radians(), is_height), lens, film)
     };
     let medium = match table.optional("medium") {
-        Some(field) => Some((medium_name(&field, media)?, field.place())),
+        Some(field) => Some((filling(&field, media)?, field.place())),
         None => None,
     };
     table.finish()?;

@@ -3,7 +3,8 @@
 
 use super::document::Document;
 use crate::Error;
-use crate::media::MediumDescription;
+use crate::media::{Density, MediumDescription};
+use glam::DVec3;
 use gltf::json::Material;
 use gltf::json::extensions::material::Volume;
 use serde::Deserialize;
@@ -159,9 +160,9 @@ pub(super) fn read(
     let description = MediumDescription {
         coefficients,
         phase,
-        grid: None,
+        density: Density::Constant,
     };
-    description.build::<Rgb>().map_err(fault)?;
+    description.build::<Rgb>(DVec3::ZERO).map_err(fault)?;
     Ok(Some(description))
 }
 
