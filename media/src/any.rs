@@ -1,6 +1,6 @@
 //! Any medium of this crate.
 
-use crate::{AnyPhase, Atmosphere, GridMedium, Homogeneous, Overlap, Procedural, SparseGrid};
+use crate::{AnyPhase, Atmosphere, Field, GridMedium, Homogeneous, Overlap, SparseGrid};
 use glam::Vec3;
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -8,6 +8,7 @@ use tyndall_core::{Coefficients, FreeFlight, Majorant, Medium, Ray, Sampler, Spe
 
 /// One of the media of this crate, for scenes that mix them. Clones share their fields.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub enum AnyMedium<S> {
     /// The same everywhere.
     Homogeneous(Homogeneous<S>),
@@ -17,8 +18,8 @@ pub enum AnyMedium<S> {
     Grid(Arc<GridMedium<S>>),
     /// A sparse density grid.
     Sparse(Arc<GridMedium<S, SparseGrid>>),
-    /// A density that the host computes.
-    Procedural(Arc<GridMedium<S, Procedural>>),
+    /// Any other density: one that the host computes, or a [`Mapped`](crate::Mapped) one.
+    Field(Arc<GridMedium<S, Arc<dyn Field<f32>>>>),
     /// Several in the same place.
     Overlap(Overlap<S>),
 }
@@ -31,7 +32,7 @@ macro_rules! forward {
             AnyMedium::Atmosphere($medium) => $call,
             AnyMedium::Grid($medium) => $call,
             AnyMedium::Sparse($medium) => $call,
-            AnyMedium::Procedural($medium) => $call,
+            AnyMedium::Field($medium) => $call,
             AnyMedium::Overlap($medium) => $call,
         }
     };
@@ -80,7 +81,7 @@ impl<S: Spectrum> Medium for AnyMedium<S> {
             Self::Atmosphere(medium) => medium.phase(p),
             Self::Grid(medium) => medium.phase(p),
             Self::Sparse(medium) => medium.phase(p),
-            Self::Procedural(medium) => medium.phase(p),
+            Self::Field(medium) => medium.phase(p),
             Self::Overlap(medium) => return medium.phase(p),
         })
     }

@@ -110,6 +110,28 @@ pub enum MediumError {
         /// Its value.
         value: f32,
     },
+    /// The background of a sparse grid is negative or not finite.
+    #[error(
+        "the background of a grid is {value} in channel {channel}; make it finite and at least 0"
+    )]
+    Background {
+        /// The first bad channel.
+        channel: usize,
+        /// Its value.
+        value: f32,
+    },
+    /// A density that is not zero outside of some box.
+    #[error("a density goes on without end; make its background 0")]
+    Endless,
+    /// A sparse grid is empty, or too large to be dense.
+    #[error(
+        "a sparse grid of {resolution:?} voxels (with one of background around) has no dense form of \
+         at most {limit} values; keep it sparse", limit = MediumError::MOST_VALUES
+    )]
+    NotDense {
+        /// How many along each axis; 0 if all are background.
+        resolution: [usize; 3],
+    },
     /// A temperature that no black body is tabulated at.
     #[error(
         "a black body of {temperature} K has no luminance to be relative to; make it 500 to 1e5 K"
@@ -197,6 +219,8 @@ pub enum MediumError {
 impl MediumError {
     /// Mean free paths across a grid from which on it is [`MediumError::TooDense`].
     pub const DENSEST: f32 = 1e7;
+    /// Values from which on a dense grid is not made of a sparse one: [`MediumError::NotDense`].
+    pub const MOST_VALUES: usize = 1 << 31;
     /// Cells of a procedural field from which on it has too many: [`MediumError::Cells`].
     pub const MOST_CELLS: usize = 1 << 24;
 }

@@ -11,15 +11,15 @@ use tyndall_core::{Aabb, Spectrum};
 /// [`DenseGrid`](crate::DenseGrid) and [`SparseGrid`](crate::SparseGrid) are two; a renderer with
 /// noise of its own implements this, or wraps a closure in [`Procedural`](crate::Procedural).
 pub trait Field<T>: Debug + Send + Sync {
-    /// The box outside which a medium takes it to be zero.
+    /// A box outside which it is zero: a medium does not look there. Infinite if there is none.
     fn bounds(&self) -> Aabb;
 
-    /// Its value at a point inside. `hint` is what the last lookup nearby left there; it changes
-    /// no value.
+    /// Its value at a point inside. `hint` is what the last lookup nearby left there, be it of
+    /// another field; it changes no value.
     fn lookup(&self, p: Vec3, hint: &mut Hint) -> T;
 
-    /// Bounds of all lookups inside a region. They may be wider than need be, at a cost of time;
-    /// where they are too narrow, the image is wrong.
+    /// Bounds of all lookups inside a region, which may reach out of the box. They may be wider than
+    /// need be, at a cost of time; where they are too narrow, the image is wrong.
     fn range(&self, region: &Region) -> Range<T>;
 
     /// Whether a medium can take it: nothing may be negative or not finite.
@@ -57,6 +57,8 @@ impl<T, F: Field<T> + ?Sized> Field<T> for Arc<F> {
 /// Where in a field the last lookup was.
 #[derive(Clone, Copy, Debug)]
 pub struct Hint {
+    /// Of this tree, by its address.
+    pub(crate) tree: usize,
     pub(crate) key: IVec3,
     pub(crate) leaf: u32,
 }
@@ -64,6 +66,7 @@ pub struct Hint {
 impl Default for Hint {
     fn default() -> Self {
         Self {
+            tree: 0,
             key: IVec3::MAX,
             leaf: 0,
         }
@@ -75,7 +78,7 @@ impl Default for Hint {
 pub struct Cells {
     /// Takes corners of cells, whole numbers from 0 on, into space.
     pub to_world: DAffine3,
-    /// How many there are along each axis; of the last there may be a part.
+    /// How many there are along each axis, at most 2³⁰; of the last there may be a part.
     pub size: DVec3,
 }
 
@@ -86,10 +89,22 @@ pub struct Region {
     pub to_world: DAffine3,
 }
 
+impl Cells {
+    /// A box in so many equal cells along each axis; of the last there may be a part.
+    pub fn of(bounds: Aabb, count: DVec3) -> Self {
+        let place = DAffine3::from_translation(bounds.min.as_dvec3());
+        Self {
+            to_world: place * DAffine3::from_scale(bounds.size().as_dvec3() / count),
+            size: count,
+        }
+    }
+}
+
 impl Region {
-    /// A box along the axes.
+    /// A box along the axes; where it has no end, it ends at the largest `f32`.
     pub fn of(bounds: Aabb) -> Self {
-        let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
+        let end = DVec3::splat(f32::MAX.into());
+        let [min, max] = [bounds.min, bounds.max].map(|p| p.as_dvec3().clamp(-end, end));
         let size = DAffine3::from_scale(max - min);
         Self {
             to_world: DAffine3::from_translation(min) * size,

@@ -310,12 +310,10 @@ impl<T: Spectrum> Field<T> for DenseGrid<T> {
     }
 
     fn cells(&self) -> Cells {
-        let voxel = self.bounds.size().as_dvec3() / counts(self.resolution).as_dvec3();
-        let place = DAffine3::from_translation(self.bounds.min.as_dvec3());
-        Cells {
-            to_world: place * DAffine3::from_scale(CELL as f64 * voxel),
-            size: counts(self.resolution).as_dvec3() / CELL as f64,
-        }
+        Cells::of(
+            self.bounds,
+            counts(self.resolution).as_dvec3() / CELL as f64,
+        )
     }
 }
 

@@ -74,7 +74,8 @@ impl<S: Spectrum, D: Field<f32>> GridMedium<S, D> {
     ///
     /// # Errors
     /// [`MediumError::Coefficient`] if a coefficient is negative or not finite, alone or times the
-    /// largest density; [`MediumError::TooDense`]; those of [`Field::check`].
+    /// largest density; [`MediumError::Endless`] and [`MediumError::TooDense`]; those of
+    /// [`Field::check`].
     pub fn new(
         density: D,
         per_density: Coefficients<S>,
@@ -84,6 +85,9 @@ impl<S: Spectrum, D: Field<f32>> GridMedium<S, D> {
         density.check()?;
         let bounds = density.bounds();
         if !bounds.is_empty() {
+            if !(bounds.min.is_finite() && bounds.max.is_finite()) {
+                return Err(MediumError::Endless);
+            }
             let most = density.range(&Region::of(bounds)).max;
             let densest = scaled(per_density, most);
             check_coefficients(&densest)?;
@@ -106,7 +110,7 @@ impl<S: Spectrum, D: Field<f32>> GridMedium<S, D> {
     }
 
     /// Takes the albedo σs/σt from a field, which keeps σt and splits it anew; it may have a box of
-    /// its own.
+    /// its own, outside of which it is 0.
     ///
     /// # Errors
     /// [`MediumError::Albedo`] if it may exceed 1; those of [`Field::check`].
@@ -203,30 +207,32 @@ impl<S: Spectrum, D: Field<f32>> GridMedium<S, D> {
         self.density.lookup(p, hint)
     }
 
-    /// Emission at a point inside the box.
+    /// Emission at a point in a majorant cell.
     #[inline]
     pub(crate) fn emission(&self, p: Vec3, density: f32) -> S {
         match &self.glow {
             None => self.per_density.emission * density,
-            Some(Glow::Emission(field)) => field.lookup(p, &mut Hint::default()),
+            // Cells may reach out of the box.
+            Some(Glow::Emission(field)) if self.bounds().contains(p) => inside(field, p),
+            Some(Glow::Emission(_)) => S::default(),
             Some(Glow::Source(_)) => self.coefficients_at(p, density).emission,
         }
     }
 
-    /// The coefficients where the density is this.
+    /// The coefficients at a point of the box where the density is this.
     pub(crate) fn coefficients_at(&self, p: Vec3, density: f32) -> Coefficients<S> {
         let mut here = scaled(self.per_density, density);
         if let Some(field) = &self.albedo {
-            let albedo = field.lookup(p, &mut Hint::default()).map(|a| a.min(1.0));
+            let albedo = inside(field, p).map(|a| a.min(1.0));
             let sigma_t = here.sigma_t();
             here.sigma_s = sigma_t * albedo;
             here.sigma_a = sigma_t - here.sigma_s;
         }
         match &self.glow {
             None => {}
-            Some(Glow::Emission(field)) => here.emission = field.lookup(p, &mut Hint::default()),
+            Some(Glow::Emission(field)) => here.emission = inside(field, p),
             Some(Glow::Source(field)) => {
-                here.emission = here.sigma_a * field.lookup(p, &mut Hint::default());
+                here.emission = here.sigma_a * inside(field, p);
             }
         }
         here
@@ -247,6 +253,15 @@ impl<S: Spectrum> GridMedium<S> {
     /// ∫σt dt along the ray, exact but for rounding: see [`DenseGrid::line_integral`].
     pub fn optical_depth(&self, ray: &Ray) -> S {
         times(self.sigma_t(), self.density.line_integral(ray))
+    }
+}
+
+/// What a field holds at a point; zero outside of its box.
+fn inside<S: Spectrum>(field: &Arc<dyn Field<S>>, p: Vec3) -> S {
+    if field.bounds().contains(p) {
+        field.lookup(p, &mut Hint::default())
+    } else {
+        S::default()
     }
 }
 

@@ -76,7 +76,9 @@ impl<T: Spectrum, U: Spectrum> Field<U> for Mapped<T, U> {
         let mut before = U::default();
         for i in 0..=CHECKED {
             let share = i as f32 / CHECKED as f32;
-            let value = (self.function)(min * (1.0 - share) + max * share);
+            // So that no channel falls, even by rounding.
+            let value =
+                (self.function)(min.zip(max, |min, max| (min + (max - min) * share).min(max)));
             for channel in 0..U::CHANNELS {
                 let (value, before) = (value.channel(channel), before.channel(channel));
                 if !(value.is_finite() && value >= before) {

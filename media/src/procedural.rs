@@ -3,7 +3,7 @@
 use crate::MediumError;
 use crate::field::{Cells, Field, Hint, Range, Region};
 use crate::grid::has_volume;
-use glam::{DAffine3, DVec3, Vec3};
+use glam::{DVec3, Vec3};
 use std::fmt::{self, Debug, Formatter};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -214,13 +214,7 @@ impl<T: Spectrum> Field<T> for Procedural<T> {
     }
 
     fn cells(&self) -> Cells {
-        let count = DVec3::from(self.resolution.map(|n| n as f64));
-        let cell = DAffine3::from_scale(self.bounds.size().as_dvec3() / count);
-        let place = DAffine3::from_translation(self.bounds.min.as_dvec3());
-        Cells {
-            to_world: place * cell,
-            size: count,
-        }
+        Cells::of(self.bounds, DVec3::from(self.resolution.map(|n| n as f64)))
     }
 }
 

@@ -14,12 +14,12 @@ use crate::field::{Cells, Field, Hint, Range, Region};
 use crate::{Filter, MediumError};
 use glam::{DAffine3, DVec3, IVec3, Vec3};
 use std::sync::Arc;
-use tree::{Found, LEAF, Tree, leaf_slot};
+use tree::{Found, LEAF, Tree, leaf_slot, leaf_voxel};
 use tyndall_core::{Aabb, Spectrum};
 
 /// Values on an endless regular grid, of which only those that differ from a background are stored:
 /// OpenVDB's tree in its form 5-4-3, made by [`SparseBuilder`]. It holds any values; a medium takes
-/// those that pass [`Field::check`].
+/// those that pass [`Field::check`], and a density only on a background of 0.
 ///
 /// Voxel (i, j, k) has its centre at `to_world`·(i, j, k), and any affine transformation with an
 /// inverse will do. Clones share their voxels; for their memory see [`SparseGrid::bytes`].
@@ -46,6 +46,11 @@ pub struct Statistics<T> {
     /// Their mean, summed in `f64`.
     pub mean: T,
 }
+
+const EVERYWHERE: Aabb = Aabb {
+    min: Vec3::NEG_INFINITY,
+    max: Vec3::INFINITY,
+};
 
 impl<T: Spectrum> SparseGrid<T> {
     fn of(tree: Tree<T>, to_world: DAffine3) -> Result<Self, MediumError> {
@@ -87,12 +92,16 @@ impl<T: Spectrum> SparseGrid<T> {
             Filter::Trilinear => 1.0,
             Filter::Nearest => 0.5,
         };
-        let bounds = self.content.map_or(Aabb::EMPTY, |[first, last]| {
-            let (first, last) = (first.as_dvec3() - reach, last.as_dvec3() + reach);
-            let size = DAffine3::from_scale(last - first);
-            let to_world = self.to_world * DAffine3::from_translation(first) * size;
-            Region { to_world }.bounds()
-        });
+        let bounds = match self.content {
+            _ if self.tree.background != T::default() => EVERYWHERE,
+            None => Aabb::EMPTY,
+            Some([first, last]) => {
+                let (first, last) = (first.as_dvec3() - reach, last.as_dvec3() + reach);
+                let size = DAffine3::from_scale(last - first);
+                let to_world = self.to_world * DAffine3::from_translation(first) * size;
+                Region { to_world }.bounds()
+            }
+        };
         Self {
             filter,
             bounds,
@@ -186,7 +195,8 @@ impl<T: Spectrum> SparseGrid<T> {
         }
     }
 
-    /// The first voxel, and the first channel in it, whose value is `bad`; of a tile its first.
+    /// The first voxel that is stored, and the first channel in it, whose value is `bad`; of a tile
+    /// its first.
     pub(crate) fn find(&self, bad: impl Fn(f32) -> bool) -> Option<([i32; 3], usize, f32)> {
         let bad_channel = |value: T| (0..T::CHANNELS).find(|&c| bad(value.channel(c)));
         let mut first = None;
@@ -201,24 +211,23 @@ impl<T: Spectrum> SparseGrid<T> {
             Piece::Tile { tile, .. } => check(origin, tile.value),
             Piece::Leaf { leaf, .. } => {
                 for (slot, value) in self.leaf_values(leaf).enumerate() {
-                    let [x, y, z] = [slot >> 6, (slot >> 3) & 7, slot & 7].map(|i| i as i32);
-                    check(origin + IVec3::new(x, y, z), value);
+                    check(origin + leaf_voxel(slot), value);
                 }
             }
         });
-        check(IVec3::MAX, self.tree.background);
         first
     }
 
     #[inline]
     fn found(&self, ijk: IVec3, hint: &mut Hint) -> Found<T> {
         let key = ijk >> LEAF.ilog2();
-        if key == hint.key {
+        let tree = Arc::as_ptr(&self.tree).addr();
+        if key == hint.key && tree == hint.tree {
             return Found::Leaf(hint.leaf);
         }
         let found = self.tree.find(ijk);
         if let Found::Leaf(leaf) = found {
-            *hint = Hint { key, leaf };
+            *hint = Hint { tree, key, leaf };
         }
         found
     }
@@ -285,7 +294,9 @@ impl<T: Spectrum> Field<T> for SparseGrid<T> {
             Filter::Nearest => self.near(floor(x + 0.5), hint),
             Filter::Trilinear => {
                 let base = floor(x);
-                self.interpolate(base, (x - base.as_dvec3()).as_vec3(), hint)
+                // Beyond the last voxel there is, `base` stays behind.
+                let fraction = (x - base.as_dvec3()).clamp(DVec3::ZERO, DVec3::ONE);
+                self.interpolate(base, fraction.as_vec3(), hint)
             }
         }
     }
@@ -307,7 +318,13 @@ impl<T: Spectrum> Field<T> for SparseGrid<T> {
     }
 
     fn check(&self) -> Result<(), MediumError> {
-        match self.find(|v| !(v.is_finite() && v >= 0.0)) {
+        let bad = |v: f32| !(v.is_finite() && v >= 0.0);
+        let background = self.tree.background;
+        if let Some(channel) = (0..T::CHANNELS).find(|&c| bad(background.channel(c))) {
+            let value = background.channel(channel);
+            return Err(MediumError::Background { channel, value });
+        }
+        match self.find(bad) {
             None => Ok(()),
             Some((voxel, channel, value)) => Err(MediumError::Voxel {
                 voxel,
@@ -320,12 +337,12 @@ impl<T: Spectrum> Field<T> for SparseGrid<T> {
     /// A leaf each, half a voxel off: what is read inside then lies in it or beside it.
     fn cells(&self) -> Cells {
         let leaf = f64::from(LEAF);
-        let [first, last] = self
-            .content
-            .unwrap_or([IVec3::ZERO; 2])
-            .map(|i| i.as_dvec3());
-        let first = ((first - 1.0) / leaf).floor();
-        let size = ((last + 1.0) / leaf).floor() - first + 1.0;
+        let [first, last] = match self.bounds {
+            bounds if bounds.is_empty() => [DVec3::ZERO; 2],
+            bounds => Region::of(bounds).bounds_in(&self.to_index),
+        };
+        let first = ((first + 0.5) / leaf).floor();
+        let size = ((last + 0.5) / leaf).floor() - first + 1.0;
         let corner = DAffine3::from_translation(leaf * first - 0.5);
         Cells {
             to_world: self.to_world * corner * DAffine3::from_scale(DVec3::splat(leaf)),
@@ -352,8 +369,7 @@ fn content<T: Spectrum>(tree: &Tree<T>) -> Option<[IVec3; 2]> {
         Piece::Leaf { leaf, .. } => {
             for slot in 0..leaves::VOXELS {
                 if tree.leaves.value(leaf, slot) != tree.background {
-                    let [x, y, z] = [slot >> 6, (slot >> 3) & 7, slot & 7].map(|i| i as i32);
-                    let voxel = origin + IVec3::new(x, y, z);
+                    let voxel = origin + leaf_voxel(slot);
                     add(voxel, voxel);
                 }
             }

@@ -181,6 +181,17 @@ fn emission_follows_the_temperature() {
     assert_eq!(fire(0.5_f32, 2.0, cold).emitted(&ray, &mut rng(3)), 0.0);
 }
 
+/// Whatever the values, and where they differ by less than rounding.
+#[test]
+fn constant_fields_do_not_fall() {
+    for value in [0.1, 0.8, 0.95, 1500.1, 1833.37] {
+        for above in [value, f32::next_up(value), value + 1e-2] {
+            let same = Mapped::rising(temperature(vec![value, above]), |t: f32| t);
+            assert_eq!(Field::check(&same), Ok(()), "{value}, {above}");
+        }
+    }
+}
+
 #[test]
 fn a_function_that_falls_is_refused() {
     let refused = |function: fn(f32) -> f32| {

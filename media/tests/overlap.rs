@@ -13,7 +13,7 @@ use tyndall_core::{
     Coefficients, Majorant, Medium, PhaseFunction, Ray, Rgb, Sampler, Spectrum, warp,
 };
 use tyndall_media::{
-    AnyMedium, AnyPhase, Atmosphere, GridMedium, Homogeneous, MediumError, Overlap, Phase,
+    AnyMedium, AnyPhase, Atmosphere, Field, GridMedium, Homogeneous, MediumError, Overlap, Phase,
     Procedural,
 };
 use tyndall_testkit::{
@@ -395,11 +395,11 @@ fn extremes_are_finite() {
         let [a, b, c] = [i % 4, i / 4 % 4, i / 16].map(|i| levels[i]);
         let thin = coefficients(Rgb::new(a, b, c), Rgb::new(c, a, b), Rgb::new(a, b, c));
         let haze = Atmosphere::new(BOUNDS.center(), Vec3::Z, 1e-3 + a, thin, forward()).unwrap();
-        let ball = Procedural::new(BOUNDS, 1.0, |_| 1.0).unwrap();
+        let ball: Arc<dyn Field<f32>> = Arc::new(Procedural::new(BOUNDS, 1.0, |_| 1.0).unwrap());
         let grey = coefficients(Rgb::splat(a), Rgb::splat(b), Rgb::splat(c));
         let ball = GridMedium::new(ball, grey, Phase::Isotropic).unwrap();
         let parts = vec![
-            AnyMedium::Procedural(Arc::new(ball)),
+            AnyMedium::Field(Arc::new(ball)),
             fog(thin, Phase::Isotropic),
             AnyMedium::Atmosphere(haze),
         ];

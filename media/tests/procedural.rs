@@ -10,7 +10,7 @@ use rays::{BOUNDS, point, ray};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use tyndall_core::{Aabb, Coefficients, Medium, Ray, Rgb, Spectrum};
-use tyndall_media::{AnyMedium, GridMedium, MediumError, Phase, Procedural};
+use tyndall_media::{AnyMedium, Field, GridMedium, MediumError, Phase, Procedural};
 use tyndall_testkit::{
     rng,
     stats::{Estimate, Moments, check_means},
@@ -177,17 +177,21 @@ fn what_slips_through_is_finite_and_counted() {
 
 #[test]
 fn albedo_and_emission_may_be_functions_too() {
-    let density = Procedural::new(BOUNDS, 2.0, |_| 2.0).unwrap();
+    let density: Arc<dyn Field<f32>> = Arc::new(Procedural::new(BOUNDS, 2.0, |_| 2.0).unwrap());
     let albedo = |p: Vec3| Rgb::new(1.0, 0.5, 0.25) * (p.x + 1.0) / 3.0;
     let albedo = Procedural::new(BOUNDS, Rgb::splat(1.0), albedo).unwrap();
     let glow = Procedural::new(BOUNDS, Rgb::splat(9.0), |p| Rgb::splat(p.y)).unwrap();
-    let smoke = medium(density, Rgb::splat(1.0), Rgb::default());
+    let grey = Coefficients {
+        sigma_a: Rgb::splat(1.0),
+        ..Coefficients::default()
+    };
+    let smoke = GridMedium::new(density, grey, Phase::Isotropic).unwrap();
     let smoke = smoke
         .with_albedo(albedo)
         .unwrap()
         .with_emission(glow)
         .unwrap();
-    let any = AnyMedium::Procedural(Arc::new(smoke));
+    let any = AnyMedium::Field(Arc::new(smoke));
     let p = point(&mut rng(4));
     let here = any.coefficients(p);
     let expected = Rgb::new(2.0, 1.0, 0.5) * ((p.x + 1.0) / 3.0);

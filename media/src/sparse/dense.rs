@@ -44,7 +44,7 @@ impl<T: Spectrum> SparseGrid<T> {
     ///
     /// # Errors
     /// [`MediumError::NotAligned`] if the voxels are turned, sheared or mirrored;
-    /// [`MediumError::GridValues`] if all are background or more than memory holds;
+    /// [`MediumError::NotDense`] if all are background or more than [`MediumError::MOST_VALUES`];
     /// others as [`DenseGrid::new`].
     pub fn to_dense(&self) -> Result<DenseGrid<T>, MediumError> {
         let DAffine3 {
@@ -55,20 +55,16 @@ impl<T: Spectrum> SparseGrid<T> {
         if matrix3 != DMat3::from_diagonal(voxel) || voxel.cmple(DVec3::ZERO).any() {
             return Err(MediumError::NotAligned);
         }
-        let [first, last] = (self.content).ok_or(MediumError::GridValues {
-            resolution: [0; 3],
-            values: 0,
-        })?;
+        let none = MediumError::NotDense { resolution: [0; 3] };
+        let [first, last] = self.content.ok_or(none)?;
         let [first, last] = [first.as_i64vec3() - 1, last.as_i64vec3() + 1];
         let resolution = (last - first + 1).to_array().map(|n| n as usize);
-        let mut values = Vec::new();
         let count = resolution
             .iter()
             .try_fold(1_usize, |n, &m| n.checked_mul(m));
-        if count.is_none_or(|count| values.try_reserve_exact(count).is_err()) {
-            let values = 0;
-            return Err(MediumError::GridValues { resolution, values });
-        }
+        let count = count.filter(|&n| n <= MediumError::MOST_VALUES);
+        let count = count.ok_or(MediumError::NotDense { resolution })?;
+        let mut values = Vec::with_capacity(count);
         let mut hint = Hint::default();
         for z in first.z..=last.z {
             for y in first.y..=last.y {

@@ -108,6 +108,11 @@ pub(super) fn leaf_slot(ijk: IVec3) -> usize {
     slot(ijk, 3, 0)
 }
 
+/// The voxel of an index in a leaf, from its first one.
+pub(super) fn leaf_voxel(slot: usize) -> IVec3 {
+    slot_origin(slot, 3, 0)
+}
+
 impl<T: Spectrum> Tree<T> {
     /// What the root has for the 4096³ voxels around.
     #[inline]
@@ -238,7 +243,13 @@ impl<T: Spectrum> Tree<T> {
         let mut gather = Gather::new();
         let all = (last.as_dvec3() - first.as_dvec3() + 1.0).element_product();
         let mut rest = all;
-        for &(origin, _) in &self.roots {
+        // They lie in order along x.
+        let along_x = |x: i32| {
+            self.roots
+                .partition_point(|(origin, _)| origin.x < x & !(EDGES[2] - 1))
+        };
+        let reached = &self.roots[along_x(first.x)..];
+        for &(origin, _) in reached.iter().take_while(|(o, _)| o.x <= last.x) {
             let cut = [first.max(origin), last.min(origin + (EDGES[2] - 1))];
             if cut[0].cmple(cut[1]).all() {
                 rest -= (cut[1] - cut[0] + 1).as_dvec3().element_product();
