@@ -15,6 +15,7 @@ mod texture;
 mod view;
 
 pub(crate) use material::{Material, MediumName};
+pub(crate) use reader::nearest;
 pub(crate) use shape::{Solid, around_points};
 pub use view::{IntegratorConfig, Scattering};
 
