@@ -88,7 +88,6 @@ pub enum Voxels {
 
 /// What kind of volume file a name stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
 pub enum VolumeFormat {
     /// OpenVDB, `.vdb`.
     OpenVdb,

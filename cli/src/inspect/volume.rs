@@ -10,10 +10,7 @@ pub(super) struct Report<'a>(pub(super) &'a VolumeSummary);
 
 impl Display for Report<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let grids = match self.0.grids.len() {
-            1 => "1 grid".to_owned(),
-            n => format!("{n} grids"),
-        };
+        let grids = count(self.0.grids.len() as u64, ["grid", "grids"]);
         write!(f, "file        {}, {grids}", HumanBytes(self.0.file_bytes))?;
         self.0.grids.iter().try_for_each(|g| grid(f, g))
     }
@@ -41,18 +38,13 @@ fn grid(f: &mut fmt::Formatter<'_>, grid: &GridSummary) -> fmt::Result {
 }
 
 fn voxels(f: &mut fmt::Formatter<'_>, voxels: &VoxelSummary) -> fmt::Result {
-    write!(
-        f,
-        "\n            {} active voxels",
-        HumanCount(voxels.active)
-    )?;
+    let active = count(voxels.active, ["active voxel", "active voxels"]);
+    write!(f, "\n            {active}")?;
     if let (Some(leaves), Some(tiles)) = (voxels.leaves, voxels.tiles) {
-        let (leaves, tiles) = (HumanCount(leaves), HumanCount(tiles));
+        let leaves = count(leaves, ["leaf", "leaves"]);
+        let tiles = count(tiles, ["tile", "tiles"]);
         let background = channels(&voxels.background);
-        write!(
-            f,
-            ", {leaves} leaves, {tiles} tiles, background {background}"
-        )?;
+        write!(f, ", {leaves}, {tiles}, background {background}")?;
     }
     if let Some([first, last]) = voxels.index_box {
         write!(f, "\n            index {first:?} to {last:?}")?;
@@ -74,17 +66,19 @@ fn voxels(f: &mut fmt::Formatter<'_>, voxels: &VoxelSummary) -> fmt::Result {
         write!(f, "\n            min {min}, max {max}, mean {mean}")?;
     }
     if let Some(first) = voxels.first_non_finite {
-        let count = HumanCount(voxels.non_finite);
+        let voxels = count(voxels.non_finite, ["active voxel", "active voxels"]);
         write!(
             f,
-            "\n            not finite: {count} active voxels, the first {first:?}; "
-        )?;
-        write!(
-            f,
-            "min, max and mean leave them out, and no medium takes them"
+            "\n            not finite: {voxels}, the first {first:?}; min, max and mean leave them out, and no medium takes them"
         )?;
     }
     write!(f, "\n            memory {}", HumanBytes(voxels.bytes))
+}
+
+/// So many of what is called so in singular and plural.
+fn count(number: u64, [one, many]: [&str; 2]) -> String {
+    let name = if number == 1 { one } else { many };
+    format!("{} {name}", HumanCount(number))
 }
 
 /// One number if there is one channel.

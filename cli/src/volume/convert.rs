@@ -14,25 +14,7 @@ pub(super) fn run(arguments: &ConvertArguments) -> Result<(), Error> {
     let ConvertArguments { input, output, .. } = arguments;
     check_combination(arguments)?;
     check_writable(&output.path)?;
-    let grids = read_grids(input, &arguments.grids)?;
-    let (grids, left_out): (Vec<_>, Vec<_>) =
-        (grids.into_iter()).partition(|grid| grid.unsupported.is_none());
-    for VolumeGrid {
-        name, unsupported, ..
-    } in left_out
-    {
-        let why = unsupported.unwrap_or_default();
-        line(&format!(
-            "notice: {}: grid `{name}` is left out: {why}",
-            input.display()
-        ));
-    }
-    if grids.is_empty() {
-        return Err(refusal(
-            arguments,
-            "holds no grid that can be read: export one of floats",
-        ));
-    }
+    let grids = readable(arguments)?;
     if arguments.fog && !grids.iter().any(|grid| grid.class == GridClass::LevelSet) {
         line(&format!(
             "notice: {}: no grid is a level set: --fog changes none",
@@ -44,7 +26,7 @@ pub(super) fn run(arguments: &ConvertArguments) -> Result<(), Error> {
     match output.format {
         VolumeFormat::NanoVdb => write_nano_vdb(&output.path, &grids, NanoCodec::Zip)?,
         VolumeFormat::Vol => write_vol(&output.path, only(arguments, &grids)?)?,
-        _ => write_open_vdb(&output.path, &grids)?,
+        VolumeFormat::OpenVdb => write_open_vdb(&output.path, &grids)?,
     }
     let size = HumanBytes(std::fs::metadata(&output.path).map_or(0, |about| about.len()));
     line(&format!(
@@ -53,6 +35,32 @@ pub(super) fn run(arguments: &ConvertArguments) -> Result<(), Error> {
         names(&grids)
     ));
     Ok(())
+}
+
+/// The grids that are asked for, or all that can be read; the others are told.
+fn readable(arguments: &ConvertArguments) -> Result<Vec<VolumeGrid>, Error> {
+    let mut grids = read_grids(&arguments.input, &arguments.grids)?;
+    let why = |grid: &VolumeGrid| {
+        Some(format!(
+            "grid `{}`: {}",
+            grid.name,
+            grid.unsupported.as_ref()?
+        ))
+    };
+    let left_out: Vec<_> = grids.iter().filter_map(why).collect();
+    grids.retain(|grid| grid.unsupported.is_none());
+    if grids.is_empty() {
+        let problem = match left_out.as_slice() {
+            [] => "holds no grid: export one".to_owned(),
+            left_out => format!("holds no grid that can be read: {}", left_out.join("; ")),
+        };
+        return Err(refusal(arguments, problem));
+    }
+    for why in left_out {
+        let input = arguments.input.display();
+        line(&format!("notice: {input}: left out is {why}"));
+    }
+    Ok(grids)
 }
 
 /// Whether the flags can be had together.

@@ -1,10 +1,7 @@
-//! Volume files, and the command to feed them to.
+//! Volume files to feed to the command.
 
-use assert_cmd::Command;
 use glam::{DAffine3, DVec3, IVec3};
 use std::fs;
-use std::path::Path;
-use std::process::Output;
 use tyndall_core::Rgb;
 use tyndall_media::{SparseBuilder, TileSize};
 use tyndall_scene_io::{GridClass, VolumeGrid, Voxels, write_open_vdb};
@@ -70,18 +67,12 @@ pub(crate) fn with_integers(grids: &[VolumeGrid]) -> Vec<u8> {
 pub(crate) fn vol(resolution: [i32; 3], channels: i32, values: &[f32]) -> Vec<u8> {
     let mut bytes = b"VOL\x03".to_vec();
     let [x, y, z] = resolution;
-    bytes.extend([1, x, y, z, channels].into_iter().flat_map(i32::to_le_bytes));
+    bytes.extend(
+        [1, x, y, z, channels]
+            .into_iter()
+            .flat_map(i32::to_le_bytes),
+    );
     let corners = [0.0_f32, 0.0, 0.0, 1.0, 1.0, 1.0];
     bytes.extend(corners.iter().chain(values).flat_map(|x| x.to_le_bytes()));
     bytes
-}
-
-/// Runs the command in a folder.
-pub(crate) fn tyndall(folder: &Path, arguments: &[&str]) -> Output {
-    Command::cargo_bin("tyndall")
-        .expect("the command is built")
-        .current_dir(folder)
-        .args(arguments)
-        .output()
-        .expect("the command runs")
 }
