@@ -128,7 +128,10 @@ fn parse(header: &[u8; HEADER], length: u64) -> Result<(Volume, usize), String> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{GridClass, Voxels};
+    use glam::{DAffine3, IVec3};
     use std::io::Write;
+    use tyndall_media::SparseBuilder;
 
     /// A file as Mitsuba writes it.
     fn file(resolution: [i32; 3], channels: i32, values: &[f32]) -> Vec<u8> {
@@ -155,6 +158,39 @@ mod tests {
         assert_eq!(voxels.resolution, [4, 3, 2]);
         assert_eq!(voxels.bounds[1], DVec3::new(1.0, 2.0, 3.0));
         assert_eq!(voxels.values, values);
+    }
+
+    #[test]
+    fn what_is_written_is_read() {
+        let mut grid = SparseBuilder::new(0.5_f32);
+        grid.voxel(IVec3::new(3, 4, 5), -2.0).unwrap();
+        grid.voxel(IVec3::new(4, 4, 5), f32::NAN).unwrap();
+        let place = DAffine3::from_translation(DVec3::new(1.0, 2.0, 3.0));
+        let size = DAffine3::from_scale(DVec3::new(0.5, 1.0, 2.0));
+        let grid = Voxels::Scalar(grid.build(place * size).unwrap());
+        let grid = VolumeGrid::new("density", GridClass::FogVolume, grid);
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.vol");
+        write_vol(&path, &grid).unwrap();
+        let volume = read_vol(&path).unwrap();
+        assert_eq!(volume.resolution, [4, 3, 3]);
+        assert_eq!(volume.channels, 1);
+        let corners = [[1.75, 4.5, 10.0], [3.75, 7.5, 16.0]];
+        assert_eq!(volume.bounds.map(|corner| corner.to_array()), corners);
+        let inner = (3 + 1) * 4 + 1; // One layer, one row and one voxel in.
+        for (i, value) in volume.values.iter().enumerate() {
+            match i {
+                _ if i == inner => assert_eq!(*value, -2.0),
+                _ if i == inner + 1 => assert!(value.is_nan()),
+                _ => assert_eq!(*value, 0.5, "{i}"),
+            }
+        }
+        // What cannot be written leaves what was there.
+        let surface = VolumeGrid::new("density", GridClass::LevelSet, grid.voxels);
+        let why = write_vol(&path, &surface).unwrap_err().to_string();
+        assert!(why.contains("`density` is a level set"), "{why}");
+        assert_eq!(read_vol(&path).unwrap().resolution, [4, 3, 3]);
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 
     #[test]
