@@ -1,7 +1,9 @@
 //! Mitsuba's `.vol` files: a regular grid of 32-bit floats.
 
-use crate::Error;
+use crate::image_out::write_whole;
 use crate::open::open;
+use crate::volume::write_dense;
+use crate::{Error, VolumeGrid};
 use glam::DVec3;
 use std::io::Read;
 use std::path::Path;
@@ -57,6 +59,36 @@ pub fn read_vol(path: &Path) -> Result<Volume, Error> {
     Ok(volume)
 }
 
+/// Writes a grid as a `.vol` file, as [`read_vol`] reads it: all that is not background, with one voxel
+/// of it around, in 32-bit floats; names, and which voxels are active, are lost. What was at `path`
+/// before stays if writing fails.
+///
+/// # Errors
+/// [`Error::Write`] if the file cannot be written, or the grid is a level set, was not read, is all
+/// background, would have more than 2³² voxels, is turned, sheared or mirrored, or lies so far from the
+/// origin that its box rounds to another by 1 % of a voxel.
+pub fn write_vol(path: &Path, grid: &VolumeGrid) -> Result<(), Error> {
+    write_whole(path, |out| write_dense(out, grid))
+}
+
+/// What stands before the values.
+pub(crate) fn header(
+    resolution: [usize; 3],
+    channels: usize,
+    bounds: [[f32; 3]; 2],
+) -> [u8; HEADER] {
+    let mut header = [0; HEADER];
+    header[..4].copy_from_slice(b"VOL\x03");
+    let [x, y, z] = resolution;
+    let counts = [1, x, y, z, channels].map(|n| (n as i32).to_le_bytes());
+    let corners = bounds.as_flattened().iter().map(|x| x.to_le_bytes());
+    let words = header[4..].chunks_exact_mut(4);
+    for (word, bytes) in words.zip(counts.into_iter().chain(corners)) {
+        word.copy_from_slice(&bytes);
+    }
+    header
+}
+
 /// What a header says of the `length` bytes after it, which are not read yet, and their number.
 fn parse(header: &[u8; HEADER], length: u64) -> Result<(Volume, usize), String> {
     if &header[..3] != b"VOL" || header[3] != 3 {
@@ -96,7 +128,10 @@ fn parse(header: &[u8; HEADER], length: u64) -> Result<(Volume, usize), String> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{GridClass, Voxels};
+    use glam::{DAffine3, IVec3};
     use std::io::Write;
+    use tyndall_media::SparseBuilder;
 
     /// A file as Mitsuba writes it.
     fn file(resolution: [i32; 3], channels: i32, values: &[f32]) -> Vec<u8> {
@@ -123,6 +158,39 @@ mod tests {
         assert_eq!(voxels.resolution, [4, 3, 2]);
         assert_eq!(voxels.bounds[1], DVec3::new(1.0, 2.0, 3.0));
         assert_eq!(voxels.values, values);
+    }
+
+    #[test]
+    fn what_is_written_is_read() {
+        let mut grid = SparseBuilder::new(0.5_f32);
+        grid.voxel(IVec3::new(3, 4, 5), -2.0).unwrap();
+        grid.voxel(IVec3::new(4, 4, 5), f32::NAN).unwrap();
+        let place = DAffine3::from_translation(DVec3::new(1.0, 2.0, 3.0));
+        let size = DAffine3::from_scale(DVec3::new(0.5, 1.0, 2.0));
+        let grid = Voxels::Scalar(grid.build(place * size).unwrap());
+        let grid = VolumeGrid::new("density", GridClass::FogVolume, grid);
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.vol");
+        write_vol(&path, &grid).unwrap();
+        let volume = read_vol(&path).unwrap();
+        assert_eq!(volume.resolution, [4, 3, 3]);
+        assert_eq!(volume.channels, 1);
+        let corners = [[1.75, 4.5, 10.0], [3.75, 7.5, 16.0]];
+        assert_eq!(volume.bounds.map(|corner| corner.to_array()), corners);
+        let inner = (3 + 1) * 4 + 1; // One layer, one row and one voxel in.
+        for (i, value) in volume.values.iter().enumerate() {
+            match i {
+                _ if i == inner => assert_eq!(*value, -2.0),
+                _ if i == inner + 1 => assert!(value.is_nan()),
+                _ => assert_eq!(*value, 0.5, "{i}"),
+            }
+        }
+        // What cannot be written leaves what was there.
+        let surface = VolumeGrid::new("density", GridClass::LevelSet, grid.voxels);
+        let why = write_vol(&path, &surface).unwrap_err().to_string();
+        assert!(why.contains("`density` is a level set"), "{why}");
+        assert_eq!(read_vol(&path).unwrap().resolution, [4, 3, 3]);
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 
     #[test]
