@@ -128,9 +128,12 @@ fn light(f: &mut fmt::Formatter<'_>, light: &LightSummary) -> fmt::Result {
 
 fn medium(f: &mut fmt::Formatter<'_>, medium: &MediumSummary) -> fmt::Result {
     let name = &medium.name;
-    match medium.voxels {
-        Some([x, y, z]) => write!(f, "medium      {name}: grid of {x}×{y}×{z} voxels")?,
-        None => write!(f, "medium      {name}: {}", medium.kind)?,
+    write!(f, "medium      {name}: {}", medium.kind)?;
+    if let Some([x, y, z]) = medium.voxels {
+        write!(f, " of {x}×{y}×{z} voxels")?;
+    }
+    if let Some(active) = medium.active_voxels {
+        write!(f, " of {active} active voxels")?;
     }
     let place = match (medium.fills_space, medium.shapes) {
         (true, _) => "fills space outside of shapes".to_owned(),
