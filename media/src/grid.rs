@@ -182,11 +182,17 @@ impl<T: Spectrum> DenseGrid<T> {
         })
     }
 
-    /// The voxel of this index, or the nearest there is.
+    /// The value of a voxel, or of the nearest there is.
     #[inline]
     pub(crate) fn voxel(&self, index: [i32; 3]) -> T {
-        let [x, y, z] = std::array::from_fn(|i| clamp_index(index[i], self.resolution[i]));
+        let [x, y, z] = self.place(index);
         self.values[(z * self.resolution[1] + y) * self.resolution[0] + x]
+    }
+
+    /// The voxel of this index, or the nearest there is.
+    #[inline]
+    fn place(&self, index: [i32; 3]) -> [usize; 3] {
+        [0, 1, 2].map(|i| (index[i].max(0) as usize).min(self.resolution[i] - 1))
     }
 
     /// Between the centres of voxel `base` and of the one after it in each axis; `fraction` in
@@ -194,21 +200,14 @@ impl<T: Spectrum> DenseGrid<T> {
     #[inline]
     fn interpolate(&self, base: [i32; 3], fraction: Vec3) -> T {
         let [nx, ny, _] = self.resolution;
-        let pair = |i: usize| {
-            let n = self.resolution[i];
-            [
-                clamp_index(base[i], n),
-                clamp_index(base[i].saturating_add(1), n),
-            ]
-        };
-        let ([x0, x1], y, z) = (pair(0), pair(1), pair(2));
+        let first = self.place(base);
+        let [x, y, z] = self.place(base.map(|i| i.saturating_add(1)));
+        let at = (first[2] * ny + first[1]) * nx + first[0];
+        let (x, y, z) = (x - first[0], (y - first[1]) * nx, (z - first[2]) * nx * ny);
         let lerp = |a: T, b: T, s: f32| a * (1.0 - s) + b * s;
-        let along_x = |y: usize, z: usize| {
-            let row = (z * ny + y) * nx;
-            lerp(self.values[row + x0], self.values[row + x1], fraction.x)
-        };
-        let along_y = |z: usize| lerp(along_x(y[0], z), along_x(y[1], z), fraction.y);
-        lerp(along_y(z[0]), along_y(z[1]), fraction.z)
+        let along_x = |at: usize| lerp(self.values[at], self.values[at + x], fraction.x);
+        let along_y = |at: usize| lerp(along_x(at), along_x(at + y), fraction.y);
+        lerp(along_y(at), along_y(at + z), fraction.z)
     }
 
     /// The lattice in whose cells the value is a single polynomial: the voxels, or for trilinear
@@ -326,9 +325,4 @@ pub(crate) fn has_volume(bounds: Aabb) -> bool {
 /// The largest of `values`, which are at least 0, in each channel.
 fn largest<T: Spectrum>(values: impl Iterator<Item = T>) -> T {
     values.fold(T::default(), |a, b| a.zip(b, f32::max))
-}
-
-#[inline]
-fn clamp_index(index: i32, count: usize) -> usize {
-    (index.max(0) as usize).min(count - 1)
 }

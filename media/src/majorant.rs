@@ -13,6 +13,8 @@ use tyndall_core::Ray;
 /// Children along an edge of a node, and their logarithm.
 const EDGE: i32 = 8;
 const LOG2: u32 = 3;
+/// The bits of a child's slot, of which x has the highest.
+const SLOTS: i32 = (1 << (3 * LOG2)) - 1;
 /// A node is crossed at once if that costs fewer null collisions than this: about what a step of
 /// the walk takes.
 const WORTH: f32 = 0.25;
@@ -39,7 +41,7 @@ struct Node {
 /// The children of a node.
 #[derive(Clone, Debug)]
 struct Children {
-    /// For each, x slowest: its place among those that are not empty, from 1 on; 0 if it is.
+    /// For each, by its slot: its place among those that are not empty, from 1 on; 0 if it is.
     places: [u16; 512],
     /// The number before that of the first; they lie together.
     before: u32,
@@ -47,8 +49,8 @@ struct Children {
 
 impl Children {
     #[inline]
-    fn find(&self, [x, y, z]: [i32; 3]) -> Option<u32> {
-        match self.places[((x * EDGE + y) * EDGE + z) as usize] {
+    fn find(&self, slot: i32) -> Option<u32> {
+        match self.places[(slot & SLOTS) as usize] {
             0 => None,
             place => Some(self.before + u32::from(place)),
         }
@@ -192,26 +194,23 @@ impl Majorants {
         mut visit: impl FnMut(&Node, [i32; 3], [f64; 2]) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let shift = (level - 1) * LOG2;
-        let mut axes = [0, 1, 2].map(|i| {
-            let last = (self.last[i] - corner[i]) >> shift;
-            let corner = f64::from(corner[i]);
-            Axis::new(line, i, corner, shift, last.min(EDGE - 1), start)
-        });
+        let mut steps = Steps::new(line, corner, shift, self.last, start);
         let mut t = start;
         loop {
-            let next = nearest(&axes);
-            let leave = axes[next].exit.max(t).min(end);
-            if leave > t
-                && let Some(child) = children.find([0, 1, 2].map(|i| axes[i].at))
-            {
-                let corner = [0, 1, 2].map(|i| corner[i] + (axes[i].at << shift));
-                visit(&self.nodes[child as usize], corner, [t, leave])?;
+            let next = nearest(steps.exit);
+            let exit = steps.exit[next];
+            let leave = if exit < end { exit } else { end };
+            if leave > t {
+                if let Some(child) = children.find(steps.slot) {
+                    let corner = steps.corner(corner, shift);
+                    visit(&self.nodes[child as usize], corner, [t, leave])?;
+                }
+                t = leave;
             }
-            if axes[next].exit >= end {
+            if exit >= end {
                 return ControlFlow::Continue(());
             }
-            t = leave;
-            axes[next].advance();
+            steps.advance(next);
         }
     }
 }
@@ -232,7 +231,7 @@ impl Line {
         }
     }
 
-    /// The part inside the box of this size.
+    /// The part inside the box of this size. No number here is NaN, for which `f64::min` is slow.
     #[inline]
     fn through(&self, size: [f64; 3], t_max: f64) -> Option<[f64; 2]> {
         let (mut start, mut end) = (0.0_f64, t_max);
@@ -245,78 +244,87 @@ impl Line {
                 }
             } else {
                 let (a, b) = (a * self.inverse[i], b * self.inverse[i]);
-                start = start.max(a.min(b));
-                end = end.min(a.max(b));
+                let (near, far) = if a < b { (a, b) } else { (b, a) };
+                start = if near > start { near } else { start };
+                end = if far < end { far } else { end };
             }
         }
         (start < end).then_some([start, end])
     }
 }
 
-/// One axis of a walk through the children of a node.
-#[derive(Clone, Copy)]
-struct Axis {
+/// A walk through the children of a node, axis by axis.
+struct Steps {
     /// The child.
-    at: i32,
+    slot: i32,
     /// Distance along the ray at which it ends; infinite for the last.
-    exit: f64,
+    exit: [f64; 3],
     /// Distance from one child's end to the next's.
-    step: f64,
+    step: [f64; 3],
     /// Children after this one.
-    left: i32,
-    /// To the next.
-    sign: i32,
+    left: [i32; 3],
+    /// From its slot to the next's.
+    stride: [i32; 3],
 }
 
-impl Axis {
-    #[inline]
-    fn new(line: &Line, i: usize, corner: f64, shift: u32, last: i32, start: f64) -> Self {
-        let (origin, inverse) = (line.origin[i] - corner, line.inverse[i]);
-        // A negative or NaN position becomes 0 in the conversion.
-        let inside = (origin + start * line.direction[i]) as i32;
-        let at = (inside >> shift).clamp(0, last);
+impl Steps {
+    #[inline(always)]
+    fn new(line: &Line, corner: [i32; 3], shift: u32, last: [i32; 3], start: f64) -> Self {
         let edge = f64::from(1 << shift);
-        let forward = line.direction[i] > 0.0;
-        let left = match forward {
-            _ if inverse.is_infinite() => 0,
-            true => last - at,
-            false => at,
+        let mut steps = Self {
+            slot: 0,
+            exit: [f64::INFINITY; 3],
+            step: line.inverse.map(|inverse| edge * inverse.abs()),
+            left: [0; 3],
+            stride: [EDGE * EDGE, EDGE, 1],
         };
-        let plane = edge * f64::from(at + i32::from(forward));
-        Self {
-            at,
-            exit: if left == 0 {
-                f64::INFINITY
-            } else {
-                (plane - origin) * inverse
-            },
-            step: edge * inverse.abs(),
-            left,
-            sign: if forward { 1 } else { -1 },
+        for i in 0..3 {
+            let origin = line.origin[i] - f64::from(corner[i]);
+            let last = ((last[i] - corner[i]) >> shift).min(EDGE - 1);
+            // A negative or NaN position becomes 0 in the conversion.
+            let inside = (origin + start * line.direction[i]) as i32;
+            let at = (inside >> shift).max(0).min(last);
+            steps.slot += at * steps.stride[i];
+            if line.inverse[i].is_infinite() {
+                continue;
+            }
+            let forward = line.direction[i] > 0.0;
+            steps.left[i] = if forward { last - at } else { at };
+            if steps.left[i] > 0 {
+                let plane = edge * f64::from(at + i32::from(forward));
+                steps.exit[i] = (plane - origin) * line.inverse[i];
+            }
+            if !forward {
+                steps.stride[i] = -steps.stride[i];
+            }
         }
+        steps
+    }
+
+    /// The first cell of the child, in a node whose first is `node`.
+    #[inline]
+    fn corner(&self, node: [i32; 3], shift: u32) -> [i32; 3] {
+        let at = |i: usize| (self.slot >> (LOG2 * (2 - i as u32))) & (EDGE - 1);
+        [0, 1, 2].map(|i| node[i] + (at(i) << shift))
     }
 
     #[inline]
-    fn advance(&mut self) {
-        self.at += self.sign;
-        self.left -= 1;
-        self.exit = if self.left == 0 {
+    fn advance(&mut self, axis: usize) {
+        self.slot += self.stride[axis];
+        self.left[axis] -= 1;
+        self.exit[axis] = if self.left[axis] == 0 {
             f64::INFINITY
         } else {
-            self.exit + self.step
+            self.exit[axis] + self.step[axis]
         };
     }
 }
 
 /// The axis of the smallest distance.
 #[inline]
-fn nearest(axes: &[Axis; 3]) -> usize {
-    let first = if axes[1].exit < axes[0].exit { 1 } else { 0 };
-    if axes[2].exit < axes[first].exit {
-        2
-    } else {
-        first
-    }
+fn nearest(exit: [f64; 3]) -> usize {
+    let first = usize::from(exit[1] < exit[0]);
+    if exit[2] < exit[first] { 2 } else { first }
 }
 
 struct Maker<F> {

@@ -23,6 +23,34 @@ struct Tentative<'a> {
     floor: f64,
 }
 
+/// Visits the points of a Poisson process of this rate. `left` is the distance to the next times
+/// the rate, before and after; 0 if it is yet to be drawn.
+///
+/// Out of line, for most stretches have none, and are passed by whoever looks at `left` first.
+#[inline(never)]
+fn poisson<R: Sampler>(
+    left: &mut f64,
+    [enter, leave]: [f64; 2],
+    rate: f32,
+    sampler: &mut R,
+    mut visit: impl FnMut(&mut R, f64) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    let rate = f64::from(rate);
+    let mut t = enter;
+    loop {
+        if *left > 0.0 {
+            t += *left / rate;
+            visit(sampler, t)?;
+        }
+        *left = f64::from(exponential(sampler));
+        let depth = rate * (leave - t);
+        if depth < *left {
+            *left -= depth;
+            return Continue(());
+        }
+    }
+}
+
 impl<S: Spectrum, D: Field<f32>> GridMedium<S, D> {
     /// Visits tentative collisions, a Poisson process of the rate that `rate` has for each cell.
     /// Returns ∫ of the smallest density of each cell dt over the ray.
@@ -36,31 +64,23 @@ impl<S: Spectrum, D: Field<f32>> GridMedium<S, D> {
         rate: impl Fn(&Cell) -> f32,
         mut visit: impl FnMut(&mut R, Tentative<'_>) -> ControlFlow<()>,
     ) -> f64 {
-        let mut depth = None;
-        let mut floor = 0.0;
+        let (mut left, mut floor) = (0.0, 0.0);
         let _ = self.walk(ray, |enter, leave, cell| {
             let rate = rate(cell);
             let least = f64::from(cell.density.min);
-            let mut t = enter;
-            loop {
-                if rate <= 0.0 {
-                    break;
-                }
-                let left = *depth.get_or_insert_with(|| f64::from(exponential(sampler)));
-                let next = t + left / f64::from(rate);
-                if next >= leave {
-                    depth = Some((left - f64::from(rate) * (leave - t)).max(0.0));
-                    break;
-                }
-                t = next;
-                depth = None;
-                let tentative = Tentative {
-                    t: t as f32,
-                    rate,
-                    cell,
-                    floor: floor + least * (t - enter),
-                };
-                visit(sampler, tentative)?;
+            let depth = f64::from(rate) * (leave - enter);
+            if depth < left {
+                left -= depth;
+            } else {
+                poisson(&mut left, [enter, leave], rate, sampler, |sampler, t| {
+                    let tentative = Tentative {
+                        t: t as f32,
+                        rate,
+                        cell,
+                        floor: floor + least * (t - enter),
+                    };
+                    visit(sampler, tentative)
+                })?;
             }
             floor += least * (leave - enter);
             Continue(())

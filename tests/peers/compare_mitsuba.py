@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Renders four scenes with Tyndall and with Mitsuba 3, and tests that the images agree.
+"""Renders five scenes with Tyndall and with Mitsuba 3, and tests that the images agree.
 
     python3 -m venv venv && venv/bin/pip install mitsuba==3.9.1 numpy scipy
     cargo build --release -p tyndall

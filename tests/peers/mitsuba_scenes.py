@@ -10,7 +10,7 @@ import mitsuba as mi
 import numpy as np
 
 SCENES = Path(__file__).parent / "scenes"
-NAMES = ["fog_box", "anisotropic_fog_box", "smoke", "glass_ball"]
+NAMES = ["fog_box", "anisotropic_fog_box", "smoke", "smoke_in_box", "glass_ball"]
 SCALE = 10.0  # Mitsuba takes coefficients up to 1, times a scale
 
 
@@ -45,13 +45,17 @@ def to_mitsuba(path, integrator, size=None):
     media = {name: medium(m, path.parent) for name, m in file.get("media", {}).items()}
     scene = {"type": "scene", "integrator": integrator}
     around = file["camera"].get("medium")
+    if around and file["media"][around]["kind"] == "grid":
+        # Nothing but its box, and a medium of Mitsuba needs a shape around it.
+        scene["box"] = cube(file["media"][around]) | {"interior": media[around], "bsdf": {"type": "null"}}
+        around = None
     if around:
         # One object for all who name it.
         scene["around"] = media[around]
         media[around] = {"type": "ref", "id": "around"}
     around = media.get(around)
     scene["sensor"] = sensor(file, around, size)
-    for k, shape in enumerate(file["shapes"]):
+    for k, shape in enumerate(file.get("shapes", [])):
         scene[f"shape{k}"] = solid(shape, file["materials"], media, around)
     if "environment" in file:
         scene["sky"] = {"type": "constant", "radiance": rgb(file["environment"]["radiance"])}
@@ -118,9 +122,7 @@ def solid(description, materials, media, around):
     if description["kind"] == "sphere":
         shape = {"type": "sphere"} | {key: description[key] for key in ("center", "radius")}
     else:
-        low, high = np.array(description["min"]), np.array(description["max"])
-        place = mi.ScalarTransform4f().translate(((low + high) / 2).tolist())
-        shape = {"type": "cube", "to_world": place.scale(((high - low) / 2).tolist())}
+        shape = cube(description)
     opaque = material["kind"] == "diffuse"
     inside = around if opaque else media.get(material["inside"])
     shape |= {"exterior": around} if around else {}
@@ -128,6 +130,12 @@ def solid(description, materials, media, around):
     if "emission" in description:
         shape["emitter"] = {"type": "area", "radiance": rgb(description["emission"])}
     return shape | {"bsdf": bsdf(material)}
+
+
+def cube(description):
+    low, high = np.array(description["min"]), np.array(description["max"])
+    place = mi.ScalarTransform4f().translate(((low + high) / 2).tolist())
+    return {"type": "cube", "to_world": place.scale(((high - low) / 2).tolist())}
 
 
 def bsdf(material):

@@ -103,6 +103,9 @@ impl Surfaces {
     /// The nearest point within the ray, and its distance.
     #[inline]
     pub fn intersect(&self, ray: &Ray) -> Option<(f32, ShapeHit)> {
+        if self.bounds.is_empty() {
+            return None;
+        }
         let (t, met) = if self.is_far(ray) {
             let near = self.approach(ray)?;
             let (t, met) = self.intersect_nearby(&near)?;
@@ -119,6 +122,9 @@ impl Surfaces {
     /// Whether a shape lies within the ray.
     #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
+        if self.bounds.is_empty() {
+            return false;
+        }
         let occluded = |ray: &Ray| match &self.engine {
             Engine::Embedded(tree) => tree.occluded(ray),
             #[cfg(feature = "embree")]

@@ -4,11 +4,14 @@ use crate::Densities;
 use glam::Vec3;
 use std::marker::PhantomData;
 use tyndall_core::{
-    Anchor, Geometry, HostTypes, LightDirect, Media, Medium, MediumId, PathFrom, PhaseFunction,
-    Ray, Sampler, Shading, Spectrum, SurfaceKind,
+    Anchor, DirectSample, Geometry, HostTypes, LightDirect, Media, Medium, MediumId, PathFrom,
+    PhaseFunction, Ray, Sampler, Shading, Spectrum, SurfaceKind,
 };
 use tyndall_walk::equiangular::Equiangular;
 use tyndall_walk::{Connection, Segment, Site, Vertex};
+
+/// Of the density of scattering: see [`competing`].
+const RARE: f32 = 4.0;
 
 /// One segment in a medium with the light point that both of its distance samplings share:
 /// conditional on that point their weights sum to one.
@@ -106,7 +109,10 @@ where
             Anchor::Point(_) => H::Spectrum::default(),
         };
         match pdf_w.filter(|_| !light.is_black()) {
-            Some(pdf_w) => light * power_heuristic(pdf_w, D::direct_pdf_w(self.host, last, source)),
+            Some(pdf_w) => {
+                let direct = D::direct_pdf_w(self.host, last, source);
+                light * power_heuristic(pdf_w, competing(source, direct, pdf_w))
+            }
             None => light,
         }
     }
@@ -190,10 +196,10 @@ where
         if value <= 0.0 {
             return H::Spectrum::default();
         }
-        let weight = match direct.pdf_w {
-            0.0 => 1.0,
-            pdf_w => power_heuristic(pdf_w, phase.pdf_w(wo, direct.wi)),
-        };
+        let weight = direct_weight(&direct, || phase.pdf_w(wo, direct.wi));
+        if weight == 0.0 {
+            return H::Spectrum::default();
+        }
         let here = Anchor::Point(position);
         let visible = Connection::new(self.host, &here, &direct.target, line.id)
             .transmittance(self.host, sampler);
@@ -221,14 +227,39 @@ where
         if reflected.is_black() {
             return reflected;
         }
-        let weight = match direct.pdf_w {
-            0.0 => 1.0,
-            pdf_w => power_heuristic(pdf_w, D::bsdf_pdf_w(self.host, hit, vertex.wo, direct.wi)),
-        };
+        let weight = direct_weight(&direct, || {
+            D::bsdf_pdf_w(self.host, hit, vertex.wo, direct.wi)
+        });
+        if weight == 0.0 {
+            return H::Spectrum::default();
+        }
         let medium = self.host.medium_across(hit, direct.wi, vertex.medium);
         let visible = Connection::new(self.host, &vertex.anchor(), &direct.target, medium)
             .transmittance(self.host, sampler);
         direct.weight * reflected * visible * weight
+    }
+}
+
+/// The weight of a light sample, which scattering may find with the density that is asked for.
+fn direct_weight<S, Hit>(sample: &DirectSample<S, Hit>, scattering: impl Fn() -> f32) -> f32 {
+    if sample.pdf_w == 0.0 {
+        return 1.0;
+    }
+    let scattering = scattering();
+    let direct = competing(&sample.target, sample.pdf_w, scattering);
+    power_heuristic(direct, scattering)
+}
+
+/// The density that the weight of a light sample takes for it, where scattering finds the same light
+/// with density `scattering`. What comes from infinity is found by flights that go on anyhow, from
+/// the same points; a connection pays in directions that are much rarer among those: it is left
+/// the excess over [`RARE`] times their density (Karlík et al. 2019, "MIS Compensation: Optimizing
+/// Sampling Techniques in Multiple Importance Sampling", for each direction instead of the mean).
+/// A sky without a bright spot then costs no connection.
+fn competing<Hit>(light: &Anchor<Hit>, direct: f32, scattering: f32) -> f32 {
+    match light {
+        Anchor::Direction(_) => (direct - RARE * scattering).max(0.0),
+        Anchor::Point(_) | Anchor::Surface(_) => direct,
     }
 }
 
