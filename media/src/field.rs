@@ -1,7 +1,7 @@
 //! Quantities that vary in space.
 
 use crate::MediumError;
-use glam::{DAffine3, DVec3, IVec3, Vec3};
+use glam::{DAffine3, DMat3, DVec3, IVec3, Vec3};
 use std::fmt::Debug;
 use std::sync::Arc;
 use tyndall_core::{Aabb, Spectrum};
@@ -98,7 +98,29 @@ impl Cells {
             size: count,
         }
     }
+
+    /// The same box in cells of an eighth of the edge, as often as it takes that none is much longer
+    /// than the least edge of `other`.
+    pub(crate) fn refined_to(mut self, other: &Self) -> Self {
+        let edges = |cells: &Self| {
+            let DMat3 {
+                x_axis,
+                y_axis,
+                z_axis,
+            } = cells.to_world.matrix3;
+            DVec3::from([x_axis, y_axis, z_axis].map(DVec3::length))
+        };
+        let finest = 2.0 * edges(other).min_element();
+        while edges(&self).max_element() > finest && self.size.max_element() < MOST_CELLS / 8.0 {
+            self.to_world *= DAffine3::from_scale(DVec3::splat(0.125));
+            self.size *= 8.0;
+        }
+        self
+    }
 }
+
+/// Cells along an axis.
+pub(crate) const MOST_CELLS: f64 = (1 << 30) as f64;
 
 impl Region {
     /// A box along the axes; where it has no end, it ends at the largest `f32`.

@@ -1,13 +1,18 @@
 //! A medium whose density is a grid.
 
 use crate::channels::{channel_pmf, check_coefficients};
-use crate::field::{Field, Hint, Region};
+use crate::field::{Field, Hint, Range, Region};
 use crate::majorant::{Cell, Majorants};
 use crate::{DenseGrid, MediumError, Phase};
 use glam::Vec3;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use tyndall_core::{Aabb, Coefficients, FreeFlight, Majorant, Medium, Ray, Sampler, Spectrum};
+
+/// Emission is uneven if its maximum is so many times its mean.
+const UNEVEN: f32 = 2.0;
+/// Collisions that are asked for where emission is even.
+const GLIMPSES: f64 = 8.0;
 
 /// How [`GridMedium`] finds the transmittance of a ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -177,7 +182,7 @@ impl<S: Spectrum, D: Field<f32>> GridMedium<S, D> {
     /// What the mean densities of the majorant cells on the way let through.
     pub(crate) fn mean_transmittance(&self, ray: &Ray) -> S {
         let mut column = 0.0;
-        let _ = self.walk(ray, |enter, leave, cell| {
+        let _ = self.walk(ray, false, |enter, leave, cell| {
             column += (leave - enter) * f64::from(cell.density.mean);
             ControlFlow::Continue(())
         });
@@ -185,14 +190,15 @@ impl<S: Spectrum, D: Field<f32>> GridMedium<S, D> {
         sigma_t.map(|sigma_t| (-sigma_t * column as f32).exp())
     }
 
-    /// Visits the stretches of the ray that are not empty, in order.
+    /// Visits the stretches of the ray that are not empty, in order; with `glow` for its emission.
     #[inline]
     pub(crate) fn walk(
         &self,
         ray: &Ray,
+        glow: bool,
         visit: impl FnMut(f64, f64, &Cell) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        self.majorants.walk(ray, visit)
+        self.majorants.walk(ray, glow, visit)
     }
 
     /// σt where the density is 1.
@@ -270,30 +276,50 @@ fn times<S: Spectrum>(sigma_t: S, column: f64) -> S {
     sigma_t.map(|sigma_t| (f64::from(sigma_t) * column) as f32)
 }
 
-/// Bounds of the density. Where the medium emits, a collision is asked for about once a cell,
-/// because emission is counted at tentative collisions: this keeps the variance of a thin flame low.
+/// Bounds of the density. Where the medium emits, some collisions are asked for, because emission is
+/// counted at tentative ones: about [`GLIMPSES`] across a region, and one across a cell.
 fn majorants<S: Spectrum>(
     density: &impl Field<f32>,
     per_density: Coefficients<S>,
     glow: Option<&Glow<S>>,
 ) -> Majorants {
-    let sigma_t = per_density.sigma_t().max_channel();
-    Majorants::new(density.cells(), sigma_t, |region| {
+    let sigma_t = per_density.sigma_t();
+    let cells = match glow {
+        None => density.cells(),
+        Some(Glow::Emission(field) | Glow::Source(field)) => {
+            density.cells().refined_to(&field.cells())
+        }
+    };
+    Majorants::new(cells, sigma_t.max_channel(), |region, is_cell| {
         let density = density.range(region);
-        let emitted = match glow {
-            None => per_density.emission * density.max,
-            Some(Glow::Emission(field)) => field.range(region).max,
+        let uneven_density = density.max > UNEVEN * density.mean;
+        let uneven_field =
+            |range: Range<S>| range.max.max_channel() > UNEVEN * range.mean.max_channel();
+        let (emitted, uneven) = match glow {
+            None => (per_density.emission * density.max, uneven_density),
+            Some(Glow::Emission(field)) => {
+                let range = field.range(region);
+                (range.max, uneven_field(range))
+            }
             // An albedo may turn all of σt into σa.
             Some(Glow::Source(field)) => {
-                per_density.sigma_t() * density.max * field.range(region).max
+                let range = field.range(region);
+                let uneven = uneven_density || uneven_field(range);
+                (sigma_t * density.max * range.max, uneven)
             }
         };
-        let rate = if emitted.is_black() {
-            0.0
-        } else {
-            region.diagonal().recip() as f32
+        let emits = !emitted.is_black();
+        let glimpses = match (emits, is_cell) {
+            (false, _) => 0.0,
+            (true, true) => 1.0,
+            (true, false) => GLIMPSES,
         };
-        (density.max > 0.0 || rate > 0.0).then_some(Cell { density, rate })
+        let cell = Cell {
+            density,
+            rate: (glimpses / region.diagonal()) as f32,
+            uneven: emits && uneven,
+        };
+        (density.max > 0.0 || emits).then_some(cell)
     })
 }
 
@@ -370,7 +396,7 @@ impl<S: Spectrum, D: Field<f32>> Medium for GridMedium<S, D> {
 
     fn majorants(&self, ray: &Ray, mut visit: impl FnMut(Majorant) -> ControlFlow<()>) {
         let sigma_t = self.sigma_t().max_channel();
-        let _ = self.walk(ray, |enter, leave, cell| {
+        let _ = self.walk(ray, false, |enter, leave, cell| {
             visit(Majorant {
                 t_min: enter as f32,
                 t_max: leave as f32,

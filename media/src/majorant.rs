@@ -5,8 +5,9 @@
 //! children of a node it meets, and theirs, and passes what is empty in one step, however large
 //! (Museth 2014, "Hierarchical Digital Differential Analyzer for Efficient Ray-Marching in OpenVDB").
 
-use crate::field::{Cells, Range, Region};
+use crate::field::{Cells, MOST_CELLS, Range, Region};
 use glam::{DAffine3, DVec3, IVec3};
+use std::collections::VecDeque;
 use std::ops::ControlFlow;
 use tyndall_core::Ray;
 
@@ -19,7 +20,12 @@ const SLOTS: i32 = (1 << (3 * LOG2)) - 1;
 /// the walk takes.
 const WORTH: f32 = 0.25;
 
-/// Of places, relative to the size of all.
+/// How large a tree may grow, in nodes of which one with children counts for many more (it has 1 kB);
+/// what is below then goes without bounds of its own. Half a gigabyte.
+const MOST: usize = 1 << 24;
+const PARENT: usize = 36;
+
+/// How far a ray along an outermost face may be off by rounding, relative to the size of all cells.
 const ROUNDING: f64 = 1e-12;
 
 /// What is known of a region.
@@ -29,6 +35,8 @@ pub(crate) struct Cell {
     pub(crate) density: Range<f32>,
     /// Where light is emitted, how many collisions per unit of length emission asks for.
     pub(crate) rate: f32,
+    /// Whether emission is much larger in a part than on the whole.
+    pub(crate) uneven: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -76,13 +84,13 @@ pub(crate) struct Majorants {
 }
 
 impl Majorants {
-    /// `describe` looks at a region; `None` if it is empty.
+    /// `describe` looks at a region, a cell or larger; `None` if it is empty.
     pub(crate) fn new(
         cells: Cells,
         sigma_t: f32,
-        describe: impl Fn(&Region) -> Option<Cell>,
+        describe: impl Fn(&Region, bool) -> Option<Cell>,
     ) -> Self {
-        let last = cells.size.ceil().as_ivec3() - 1;
+        let last = cells.size.ceil().min(DVec3::splat(MOST_CELLS)).as_ivec3() - 1;
         let longest = last.max_element().max(0) as u32 + 1;
         let levels = longest.next_power_of_two().ilog2().div_ceil(LOG2);
         let mut majorants = Self {
@@ -104,16 +112,18 @@ impl Majorants {
                 cell,
                 children: None,
             });
-            maker.divide(&mut majorants, 0, IVec3::ZERO, levels);
+            maker.divide(&mut majorants);
         }
         majorants
     }
 
-    /// Visits the stretches of the ray whose bound is positive, in order.
+    /// Visits the stretches of the ray that are not empty, in order: as fine as the bounds of the
+    /// density are worth, and with `glow` also where emission is uneven.
     #[inline]
     pub(crate) fn walk(
         &self,
         ray: &Ray,
+        glow: bool,
         mut visit: impl FnMut(f64, f64, &Cell) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let Some(root) = self.nodes.first() else {
@@ -122,6 +132,7 @@ impl Majorants {
         let line = Line::new(
             self.to_cells.transform_point3(ray.origin.as_dvec3()),
             self.to_cells.transform_vector3(ray.direction.as_dvec3()),
+            glow,
         );
         match line.through(self.size.to_array(), ray.t_max.into()) {
             Some(span) => self.cross(root, [0; 3], self.levels, &line, span, &mut visit),
@@ -144,7 +155,7 @@ impl Majorants {
         let Range { min, max, .. } = node.cell.density;
         let null = self.sigma_t * (max - min) * (end - start) as f32;
         match node.children {
-            Some(children) if null >= WORTH => {
+            Some(children) if null >= WORTH || (line.glow && node.cell.uneven) => {
                 let children = &self.children[children as usize];
                 if level > 1 {
                     return self.descend(children, corner, level, line, span, visit);
@@ -220,11 +231,14 @@ struct Line {
     origin: [f64; 3],
     direction: [f64; 3],
     inverse: [f64; 3],
+    /// Whether emission counts.
+    glow: bool,
 }
 
 impl Line {
-    fn new(origin: DVec3, direction: DVec3) -> Self {
+    fn new(origin: DVec3, direction: DVec3, glow: bool) -> Self {
         Self {
+            glow,
             origin: origin.to_array(),
             direction: direction.to_array(),
             inverse: direction.recip().to_array(),
@@ -333,25 +347,54 @@ struct Maker<F> {
     describe: F,
 }
 
-impl<F: Fn(&Region) -> Option<Cell>> Maker<F> {
-    /// What is known of the cube of 4^`level` cells from `first` on; `None` if it is empty.
-    fn cell(&self, first: IVec3, level: u32) -> Option<Cell> {
-        if first.cmpgt(self.last).any() {
-            return None;
-        }
+impl<F: Fn(&Region, bool) -> Option<Cell>> Maker<F> {
+    /// The cube of 8^`level` cells along each edge from `first` on.
+    fn region(&self, first: IVec3, level: u32) -> Region {
         let place = DAffine3::from_translation(first.as_dvec3());
         let scale = DAffine3::from_scale(DVec3::splat(f64::from(EDGE.pow(level))));
-        let to_world = self.to_world * place * scale;
-        (self.describe)(&Region { to_world })
+        Region {
+            to_world: self.to_world * place * scale,
+        }
     }
 
-    /// Gives a node the children it is worth.
-    fn divide(&self, tree: &mut Majorants, node: usize, first: IVec3, level: u32) {
-        let Cell { density, rate } = tree.nodes[node].cell;
-        if level == 0 || (density.min == density.max && rate == 0.0) {
-            return;
+    /// What is known of a cube; `None` if it is empty.
+    fn cell(&self, first: IVec3, level: u32) -> Option<Cell> {
+        let inside = first.cmple(self.last).all();
+        (inside.then(|| self.region(first, level))).and_then(|r| (self.describe)(&r, level == 0))
+    }
+
+    /// Gives all nodes the children that a ray through them may be worth, from the root down.
+    fn divide(&self, tree: &mut Majorants) {
+        let diagonals = (0..=tree.levels).map(|level| self.region(IVec3::ZERO, level).diagonal());
+        let diagonals: Vec<_> = diagonals.map(|length| length as f32).collect();
+        let mut open = VecDeque::from([(0, IVec3::ZERO, tree.levels)]);
+        while let Some((node, first, level)) = open.pop_front() {
+            let Cell {
+                density, uneven, ..
+            } = tree.nodes[node].cell;
+            let null = tree.sigma_t * (density.max - density.min) * diagonals[level as usize];
+            if level == 0 || !(null >= WORTH || uneven) {
+                continue;
+            }
+            if tree.nodes.len() + PARENT * tree.children.len() > MOST {
+                return;
+            }
+            let start = tree.nodes.len();
+            let origins = self.add_children(tree, node, first, level);
+            let children = origins.into_iter().enumerate();
+            open.extend(children.map(|(i, first)| (start + i, first, level - 1)));
         }
-        let start = tree.nodes.len();
+    }
+
+    /// Gives a node its children; returns where these begin.
+    fn add_children(
+        &self,
+        tree: &mut Majorants,
+        node: usize,
+        first: IVec3,
+        level: u32,
+    ) -> Vec<IVec3> {
+        let before = tree.nodes.len() as u32 - 1;
         let edge = EDGE.pow(level - 1);
         let mut places = [0; 512];
         let mut origins = Vec::new();
@@ -367,11 +410,56 @@ impl<F: Fn(&Region) -> Option<Cell>> Maker<F> {
                 *place = origins.len() as u16;
             }
         }
-        let before = start as u32 - 1;
         tree.nodes[node].children = Some(tree.children.len() as u32);
         tree.children.push(Children { places, before });
-        for (i, first) in origins.into_iter().enumerate() {
-            self.divide(tree, start + i, first, level - 1);
-        }
+        origins
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn nodes(cells: f64, describe: impl Fn([DVec3; 2]) -> Option<Cell>) -> usize {
+        let cells = Cells {
+            to_world: DAffine3::IDENTITY,
+            size: DVec3::splat(cells),
+        };
+        let of_region = |region: &Region, _| describe(region.bounds_in(&DAffine3::IDENTITY));
+        Majorants::new(cells, 1.0, of_region).nodes.len()
+    }
+
+    fn cell(min: f32, max: f32, uneven: bool) -> Option<Cell> {
+        let mean = 0.5 * (min + max);
+        let density = Range { min, max, mean };
+        let rate = f32::from(uneven);
+        Some(Cell {
+            density,
+            rate,
+            uneven,
+        })
+    }
+
+    #[test]
+    fn what_no_ray_looks_into_is_not_there() {
+        // An even glow without density; densities that differ by less than is worth a step.
+        assert_eq!(nodes(2048.0, |_| cell(0.0, 0.0, false)), 1);
+        assert_eq!(nodes(64.0, |_| cell(1.0, 1.002, false)), 1);
+    }
+
+    #[test]
+    fn a_small_flame_far_away_has_few_nodes() {
+        let flame = DVec3::splat(1e9);
+        let describe = |[min, max]: [DVec3; 2]| {
+            let here = min.cmple(flame).all() && flame.cmplt(max).all();
+            here.then(|| cell(0.0, 0.0, true)).flatten()
+        };
+        assert_eq!(nodes(f64::from(1 << 30), describe), 11);
+    }
+
+    #[test]
+    fn trees_that_would_grow_for_ever_stop() {
+        let count = nodes(f64::from(1 << 30), |_| cell(0.0, 1.0, false));
+        assert!(count < MOST + 512 && count > MOST / 2, "{count}");
     }
 }

@@ -52,7 +52,8 @@ fn poisson<R: Sampler>(
 }
 
 impl<S: Spectrum, D: Field<f32>> GridMedium<S, D> {
-    /// Visits tentative collisions, a Poisson process of the rate that `rate` has for each cell.
+    /// Visits tentative collisions, a Poisson process of the rate that `rate` has for each cell; with
+    /// `glow`, cells are fine where emission is uneven.
     /// Returns ∫ of the smallest density of each cell dt over the ray.
     ///
     /// Distances grow in `f64`: at a rate of 1e6 steps are below the spacing of `f32`.
@@ -61,11 +62,11 @@ impl<S: Spectrum, D: Field<f32>> GridMedium<S, D> {
         &self,
         ray: &Ray,
         sampler: &mut R,
-        rate: impl Fn(&Cell) -> f32,
+        (rate, glow): (impl Fn(&Cell) -> f32, bool),
         mut visit: impl FnMut(&mut R, Tentative<'_>) -> ControlFlow<()>,
     ) -> f64 {
         let (mut left, mut floor) = (0.0, 0.0);
-        let _ = self.walk(ray, |enter, leave, cell| {
+        let _ = self.walk(ray, glow, |enter, leave, cell| {
             let rate = rate(cell);
             let least = f64::from(cell.density.min);
             let depth = f64::from(rate) * (leave - enter);
@@ -95,7 +96,7 @@ impl<S: Spectrum, D: Field<f32>> GridMedium<S, D> {
         let sigma_t = self.sigma_t();
         let most = sigma_t.max_channel();
         let rate = |cell: &Cell| most * (cell.density.max - cell.density.min);
-        self.track_residual(ray, sampler, rate, |_, _, _, _| {})
+        self.track_residual(ray, sampler, (rate, false), |_, _, _, _| {})
     }
 
     /// `visit` gets each tentative collision's point, density and rate, and the transmittance
@@ -105,7 +106,7 @@ impl<S: Spectrum, D: Field<f32>> GridMedium<S, D> {
         &self,
         ray: &Ray,
         sampler: &mut impl Sampler,
-        rate: impl Fn(&Cell) -> f32,
+        rate: (impl Fn(&Cell) -> f32, bool),
         mut visit: impl FnMut(Vec3, f32, f32, &dyn Fn() -> S),
     ) -> S {
         let sigma_t = self.sigma_t();
@@ -146,9 +147,14 @@ impl<S: Spectrum, D: Field<f32>> GridMedium<S, D> {
         let most = self.sigma_t().max_channel();
         let rate = |cell: &Cell| (most * (cell.density.max - cell.density.min)).max(cell.rate);
         let mut emitted = S::default();
-        self.track_residual(ray, sampler, rate, |p, density, rate, transmittance| {
-            emitted += transmittance() * self.emission(p, density) / rate;
-        });
+        self.track_residual(
+            ray,
+            sampler,
+            (rate, true),
+            |p, density, rate, transmittance| {
+                emitted += transmittance() * self.emission(p, density) / rate;
+            },
+        );
         emitted
     }
 
@@ -171,23 +177,28 @@ impl<S: Spectrum, D: Field<f32>> GridMedium<S, D> {
         let most = sigma_t.max_channel();
         let mut hint = Hint::default();
         let rate = |cell: &Cell| most * cell.density.max;
-        self.tentative_collisions(ray, sampler, rate, |sampler, Tentative { t, rate, .. }| {
-            let p = ray.at(t);
-            let density = self.density_at(p, &mut hint);
-            let beta = pmf * flight.weight;
-            let ratio = sigma_t.map(|sigma_t| (sigma_t * density / rate).min(1.0));
-            let remainder = ratio.map(|r| 1.0 - r);
-            let (real, null) = ((beta * ratio).sum(), (beta * remainder).sum());
-            // Written so that neither outcome of probability 0 is ever chosen.
-            if null <= 0.0 || sampler.next_1d() * (real + null) < real {
-                flight.weight *= ratio * ((real + null) / real);
-                let coefficients = self.coefficients_at(p, density);
-                flight.collision = Some(Collision { t, coefficients });
-                return Break(());
-            }
-            flight.weight *= remainder * ((real + null) / null);
-            Continue(())
-        });
+        self.tentative_collisions(
+            ray,
+            sampler,
+            (rate, false),
+            |sampler, Tentative { t, rate, .. }| {
+                let p = ray.at(t);
+                let density = self.density_at(p, &mut hint);
+                let beta = pmf * flight.weight;
+                let ratio = sigma_t.map(|sigma_t| (sigma_t * density / rate).min(1.0));
+                let remainder = ratio.map(|r| 1.0 - r);
+                let (real, null) = ((beta * ratio).sum(), (beta * remainder).sum());
+                // Written so that neither outcome of probability 0 is ever chosen.
+                if null <= 0.0 || sampler.next_1d() * (real + null) < real {
+                    flight.weight *= ratio * ((real + null) / real);
+                    let coefficients = self.coefficients_at(p, density);
+                    flight.collision = Some(Collision { t, coefficients });
+                    return Break(());
+                }
+                flight.weight *= remainder * ((real + null) / null);
+                Continue(())
+            },
+        );
         flight
     }
 }
