@@ -110,6 +110,16 @@ pub enum MediumError {
         /// Its value.
         value: f32,
     },
+    /// What a sparse grid holds where nothing is stored is negative or not finite.
+    #[error(
+        "the background of a grid is {value} in channel {channel}; make it finite and at least 0"
+    )]
+    Background {
+        /// The first bad channel.
+        channel: usize,
+        /// Its value.
+        value: f32,
+    },
     /// A temperature that no black body is tabulated at.
     #[error(
         "a black body of {temperature} K has no luminance to be relative to; make it 500 to 1e5 K"

@@ -2,6 +2,7 @@
 
 use crate::channels::{channel_pmf, check_coefficients};
 use crate::field::{Field, Hint, Region};
+use crate::grid::has_volume;
 use crate::majorant::{Cell, Majorants};
 use crate::{DenseGrid, MediumError, Phase};
 use glam::Vec3;
@@ -74,7 +75,7 @@ impl<S: Spectrum, D: Field<f32>> GridMedium<S, D> {
     ///
     /// # Errors
     /// [`MediumError::Coefficient`] if a coefficient is negative or not finite, alone or times the
-    /// largest density; [`MediumError::TooDense`]; those of [`Field::check`].
+    /// largest density; [`MediumError::TooDense`]; [`MediumError::GridBounds`]; those of [`Field::check`].
     pub fn new(
         density: D,
         per_density: Coefficients<S>,
@@ -84,6 +85,9 @@ impl<S: Spectrum, D: Field<f32>> GridMedium<S, D> {
         density.check()?;
         let bounds = density.bounds();
         if !bounds.is_empty() {
+            if !has_volume(bounds) {
+                return Err(MediumError::GridBounds);
+            }
             let most = density.range(&Region::of(bounds)).max;
             let densest = scaled(per_density, most);
             check_coefficients(&densest)?;

@@ -171,7 +171,7 @@ impl<T: Spectrum> SparseGrid<T> {
     }
 
     /// The first voxel, and the first channel in it, whose value is `bad`; of a tile its first.
-    pub(crate) fn find(&self, bad: impl Fn(f32) -> bool) -> Option<([i32; 3], usize, f32)> {
+    fn find(&self, bad: impl Fn(f32) -> bool) -> Option<([i32; 3], usize, f32)> {
         let bad_channel = |value: T| (0..T::CHANNELS).find(|&c| bad(value.channel(c)));
         let mut first = None;
         let mut check = |voxel: IVec3, value: T| {
@@ -190,7 +190,6 @@ impl<T: Spectrum> SparseGrid<T> {
                 }
             }
         });
-        check(IVec3::MAX, self.tree.background);
         first
     }
 
@@ -269,7 +268,9 @@ impl<T: Spectrum> Field<T> for SparseGrid<T> {
             Filter::Nearest => self.near(floor(x + 0.5), hint),
             Filter::Trilinear => {
                 let base = floor(x);
-                self.interpolate(base, (x - base.as_dvec3()).as_vec3(), hint)
+                // Beyond the voxels that can be counted, the last goes on.
+                let fraction = (x - base.as_dvec3()).as_vec3();
+                self.interpolate(base, fraction.clamp(Vec3::ZERO, Vec3::ONE), hint)
             }
         }
     }
@@ -291,23 +292,40 @@ impl<T: Spectrum> Field<T> for SparseGrid<T> {
     }
 
     fn check(&self) -> Result<(), MediumError> {
-        match self.find(|v| !(v.is_finite() && v >= 0.0)) {
-            None => Ok(()),
-            Some((voxel, channel, value)) => Err(MediumError::Voxel {
+        let bad = |v: f32| !(v.is_finite() && v >= 0.0);
+        if let Some((voxel, channel, value)) = self.find(bad) {
+            return Err(MediumError::Voxel {
                 voxel,
                 channel,
                 value,
+            });
+        }
+        let background = |channel| self.tree.background.channel(channel);
+        match (0..T::CHANNELS).find(|&c| bad(background(c))) {
+            None => Ok(()),
+            Some(channel) => Err(MediumError::Background {
+                channel,
+                value: background(channel),
             }),
         }
     }
 
-    /// A leaf each, half a voxel off: what is read inside then lies in it or beside it.
+    /// A leaf each, half a voxel off: what is read inside then lies in it or beside it. Where the
+    /// background is not zero, cells of that size end with the box, as what it fills does.
     fn cells(&self) -> Cells {
         let leaf = f64::from(LEAF);
         let [first, last] = self
             .content
             .unwrap_or([IVec3::ZERO; 2])
             .map(|i| i.as_dvec3());
+        if !self.tree.background.is_black() {
+            let size = (last - first + 2.0) / leaf;
+            let box_to_world = Region::of(self.bounds).to_world;
+            return Cells {
+                to_world: box_to_world * DAffine3::from_scale(size.recip()),
+                size,
+            };
+        }
         let first = ((first - 1.0) / leaf).floor();
         let size = ((last + 1.0) / leaf).floor() - first + 1.0;
         let corner = DAffine3::from_translation(leaf * first - 0.5);
