@@ -20,14 +20,17 @@ const SIGMA_T: f32 = 0.25;
 /// Where voxels, leaves and both kinds of nodes meet.
 const PLANES: [i32; 8] = [-4096, -128, -8, 0, 1, 8, 128, 4096];
 
-/// Noise around (c, c, c) for each of the planes.
-fn corners(filter: Filter, precision: Precision) -> SparseGrid {
+/// Noise around (c, c, c) for each of the planes. Across one axis the voxels that begin (c > 0) or end
+/// the leaves there stand out, so that bounds are wrong which leave them out.
+fn corners(axis: usize, filter: Filter, precision: Precision) -> SparseGrid {
     let mut random = rng(1);
     let mut grid = SparseBuilder::new(0.0).with_precision(precision);
     for c in PLANES {
         for i in 0..7_i32.pow(3) {
             let offset = IVec3::new(i / 49, i / 7 % 7, i % 7) - 3;
-            grid.voxel(IVec3::splat(c) + offset, random.next_1d())
+            let stands_out = offset[axis] == if c > 0 { 0 } else { -1 };
+            let most = if stands_out { 5.0 } else { 1.0 };
+            grid.voxel(IVec3::splat(c) + offset, most * random.next_1d())
                 .unwrap();
         }
     }
@@ -76,8 +79,8 @@ fn rays(c: f32) -> Vec<Ray> {
 }
 
 /// Ends within the voxels around one corner: the others are not met.
-fn tested(filter: Filter, precision: Precision, samples: usize) {
-    let grid = corners(filter, precision);
+fn tested(axis: usize, filter: Filter, precision: Precision) {
+    let grid = corners(axis, filter, precision);
     let medium = medium(grid.clone(), SIGMA_T);
     let mut random = rng(2);
     let mut cases = Vec::new();
@@ -86,21 +89,23 @@ fn tested(filter: Filter, precision: Precision, samples: usize) {
             let ray = ray.up_to(30.0);
             check_bounds(&grid, &medium, &ray, 30.0);
             let expected = (-f64::from(SIGMA_T) * column(&grid, filter, &ray)).exp();
-            let estimate = transmitted(&medium, &ray, samples, &mut random);
-            cases.push(("transmittance", estimate, expected));
+            let estimate = transmitted(&medium, &ray, 500, &mut random);
+            // Where little comes from a few samples, their mean is not normal.
+            if expected > 0.1 {
+                cases.push(("transmittance", estimate, expected));
+            }
         }
     }
-    let seen = |(_, _, tr): &&(_, _, f64)| (0.1..0.9).contains(tr);
-    assert!(cases.iter().filter(seen).count() > cases.len() / 2);
+    assert!(cases.len() > 250, "{}", cases.len());
     check_means(&cases, FALSE_ALARM).unwrap();
 }
 
 #[test]
 fn rays_along_faces_edges_and_corners_meet_what_is_read_there() {
     for filter in FILTERS {
-        for precision in [Precision::Single, Precision::Half] {
-            tested(filter, precision, 1_000);
-        }
+        tested(0, filter, Precision::Single);
+        tested(1, filter, Precision::Half);
+        tested(2, filter, Precision::Single);
     }
 }
 
@@ -140,7 +145,7 @@ fn rays_along_tiles_are_exact() {
 #[test]
 fn rays_may_start_and_end_on_a_boundary() {
     for filter in FILTERS {
-        let grid = corners(filter, Precision::Single);
+        let grid = corners(0, filter, Precision::Single);
         let medium = medium(grid.clone(), SIGMA_T);
         let bounds = Field::bounds(&grid);
         let mut random = rng(4);
@@ -168,7 +173,7 @@ fn rays_may_start_and_end_on_a_boundary() {
 
 #[test]
 fn rays_of_no_length_meet_nothing() {
-    let grid = corners(Filter::Trilinear, Precision::Single);
+    let grid = corners(0, Filter::Trilinear, Precision::Single);
     let medium = medium(grid, 100.0_f32);
     let mut random = rng(5);
     for c in PLANES {
