@@ -13,8 +13,16 @@ static FILE: LazyLock<NamedTempFile> = LazyLock::new(|| NamedTempFile::new().exp
 
 fn seed(channels: i32) -> Vec<u8> {
     let mut bytes = b"VOL\x03".to_vec();
-    bytes.extend([1, 3, 2, 2, channels].into_iter().flat_map(i32::to_le_bytes));
-    bytes.extend([-1.0_f32, -2.0, -3.0, 1.0, 2.0, 3.0].into_iter().flat_map(f32::to_le_bytes));
+    bytes.extend(
+        [1, 3, 2, 2, channels]
+            .into_iter()
+            .flat_map(i32::to_le_bytes),
+    );
+    bytes.extend(
+        [-1.0_f32, -2.0, -3.0, 1.0, 2.0, 3.0]
+            .into_iter()
+            .flat_map(f32::to_le_bytes),
+    );
     bytes.extend((0..12 * channels).flat_map(|i| (i as f32).to_le_bytes()));
     bytes
 }
@@ -22,7 +30,11 @@ fn seed(channels: i32) -> Vec<u8> {
 fn medium(volume: Volume) -> Result<GridMedium<f32>, MediumError> {
     let [min, max] = volume.bounds.map(|corner| corner.as_vec3());
     let density = DenseGrid::new(volume.resolution, Aabb { min, max }, volume.values)?;
-    let coefficients = Coefficients { sigma_a: 0.5_f32, sigma_s: 0.5, emission: 0.0 };
+    let coefficients = Coefficients {
+        sigma_a: 0.5_f32,
+        sigma_s: 0.5,
+        emission: 0.0,
+    };
     GridMedium::new(density, coefficients, Phase::Isotropic)
 }
 
