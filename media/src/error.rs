@@ -120,8 +120,8 @@ pub enum MediumError {
         /// Its value.
         value: f32,
     },
-    /// A density that is not zero outside of some box.
-    #[error("a density goes on without end; make its background 0")]
+    /// A density that is not zero outside of some box of finite `f32`.
+    #[error("a density goes on without end; make its background 0, or scale it down")]
     Endless,
     /// A sparse grid is empty, or too large to be dense.
     #[error(

@@ -2,6 +2,7 @@
 
 use crate::channels::{channel_pmf, check_coefficients};
 use crate::field::{Field, Hint, Range, Region};
+use crate::grid::has_volume;
 use crate::majorant::{Cell, Majorants};
 use crate::{DenseGrid, MediumError, Phase};
 use glam::Vec3;
@@ -79,8 +80,8 @@ impl<S: Spectrum, D: Field<f32>> GridMedium<S, D> {
     ///
     /// # Errors
     /// [`MediumError::Coefficient`] if a coefficient is negative or not finite, alone or times the
-    /// largest density; [`MediumError::Endless`] and [`MediumError::TooDense`]; those of
-    /// [`Field::check`].
+    /// largest density; [`MediumError::Endless`], [`MediumError::GridBounds`] and
+    /// [`MediumError::TooDense`]; those of [`Field::check`].
     pub fn new(
         density: D,
         per_density: Coefficients<S>,
@@ -92,6 +93,9 @@ impl<S: Spectrum, D: Field<f32>> GridMedium<S, D> {
         if !bounds.is_empty() {
             if !(bounds.min.is_finite() && bounds.max.is_finite()) {
                 return Err(MediumError::Endless);
+            }
+            if !has_volume(bounds) {
+                return Err(MediumError::GridBounds);
             }
             let most = density.range(&Region::of(bounds)).max;
             let densest = scaled(per_density, most);

@@ -197,7 +197,7 @@ impl<T: Spectrum> SparseGrid<T> {
 
     /// The first voxel that is stored, and the first channel in it, whose value is `bad`; of a tile
     /// its first.
-    pub(crate) fn find(&self, bad: impl Fn(f32) -> bool) -> Option<([i32; 3], usize, f32)> {
+    fn find(&self, bad: impl Fn(f32) -> bool) -> Option<([i32; 3], usize, f32)> {
         let bad_channel = |value: T| (0..T::CHANNELS).find(|&c| bad(value.channel(c)));
         let mut first = None;
         let mut check = |voxel: IVec3, value: T| {
@@ -295,8 +295,8 @@ impl<T: Spectrum> Field<T> for SparseGrid<T> {
             Filter::Trilinear => {
                 let base = floor(x);
                 // Beyond the last voxel there is, `base` stays behind.
-                let fraction = (x - base.as_dvec3()).clamp(DVec3::ZERO, DVec3::ONE);
-                self.interpolate(base, fraction.as_vec3(), hint)
+                let fraction = (x - base.as_dvec3()).as_vec3();
+                self.interpolate(base, fraction.clamp(Vec3::ZERO, Vec3::ONE), hint)
             }
         }
     }
@@ -319,17 +319,19 @@ impl<T: Spectrum> Field<T> for SparseGrid<T> {
 
     fn check(&self) -> Result<(), MediumError> {
         let bad = |v: f32| !(v.is_finite() && v >= 0.0);
-        let background = self.tree.background;
-        if let Some(channel) = (0..T::CHANNELS).find(|&c| bad(background.channel(c))) {
-            let value = background.channel(channel);
-            return Err(MediumError::Background { channel, value });
-        }
-        match self.find(bad) {
-            None => Ok(()),
-            Some((voxel, channel, value)) => Err(MediumError::Voxel {
+        if let Some((voxel, channel, value)) = self.find(bad) {
+            return Err(MediumError::Voxel {
                 voxel,
                 channel,
                 value,
+            });
+        }
+        let background = |channel| self.tree.background.channel(channel);
+        match (0..T::CHANNELS).find(|&c| bad(background(c))) {
+            None => Ok(()),
+            Some(channel) => Err(MediumError::Background {
+                channel,
+                value: background(channel),
             }),
         }
     }
@@ -341,8 +343,9 @@ impl<T: Spectrum> Field<T> for SparseGrid<T> {
             bounds if bounds.is_empty() => [DVec3::ZERO; 2],
             bounds => Region::of(bounds).bounds_in(&self.to_index),
         };
-        let first = ((first + 0.5) / leaf).floor();
-        let size = ((last + 0.5) / leaf).floor() - first + 1.0;
+        // A tenth of a voxel for the rounding of places.
+        let first = ((first + 0.4) / leaf).floor();
+        let size = ((last + 0.6) / leaf).floor() - first + 1.0;
         let corner = DAffine3::from_translation(leaf * first - 0.5);
         Cells {
             to_world: self.to_world * corner * DAffine3::from_scale(DVec3::splat(leaf)),

@@ -163,7 +163,10 @@ fn colours_and_temperatures_are_those_of_the_grids() {
     let expected = here.sigma_a * body.colour(1400.0) * 5.0;
     for c in 0..3 {
         let (seen, expected) = (here.emission.channel(c), expected.channel(c));
-        assert!((seen - expected).abs() < 1e-4 * expected.max(1.0), "{c}: {seen}, {expected}");
+        assert!(
+            (seen - expected).abs() < 1e-4 * expected.max(1.0),
+            "{c}: {seen}, {expected}"
+        );
     }
     let text = [
         VIEW,

@@ -2,7 +2,7 @@
 this if the module is there (Debian: python3-openvdb):
 
     python3 vdb_fixtures.py write FOLDER    fixtures, and FOLDER/expected.json that says what they hold
-    python3 vdb_fixtures.py read FILE       what a file holds, as the same JSON, to the standard output
+    python3 vdb_fixtures.py read FILE...    what files hold, as the same JSON each, in a list
 
 What they hold is OpenVDB's word: of each grid its active voxels, their sum, minimum and maximum, the
 background, the images of the origin and the axes, and the values of some voxels, active or not.
@@ -225,7 +225,7 @@ if __name__ == "__main__":
     match sys.argv[1:]:
         case ["write", folder]:
             write(Path(folder))
-        case ["read", path]:
-            json.dump(read(path), sys.stdout)
+        case ["read", *paths]:
+            json.dump([read(path) for path in paths], sys.stdout)
         case _:
             sys.exit(__doc__)

@@ -38,6 +38,8 @@ pub(crate) struct Grid {
     pub(crate) number: Number,
     pub(crate) channels: usize,
     pub(crate) map: (&'static str, Vec<f64>),
+    /// Whether there is some that no library knows.
+    pub(crate) metadata: bool,
 }
 
 impl Default for Grid {
@@ -51,6 +53,7 @@ impl Default for Grid {
             number: Number::Single,
             channels: 1,
             map: ("TranslationMap", vec![1.0, 2.0, 3.0]),
+            metadata: true,
         }
     }
 }
@@ -70,7 +73,7 @@ impl File {
             out.extend(word.to_le_bytes());
         }
         out.push(self.offsets.into());
-        out.extend([b'0'; 36]);
+        out.extend(b"00000000-0000-0000-0000-000000000000");
         out.extend(1_u32.to_le_bytes());
         metadata("future", "type of no library", &[7; 5], &mut out);
         out.extend((self.grids.len() as u32).to_le_bytes());
@@ -90,10 +93,16 @@ impl Grid {
         out.extend([0; 24]);
         let start = out.len();
         out.extend(self.flags.to_le_bytes());
-        out.extend(3_u32.to_le_bytes());
+        out.extend(if self.metadata { 5_u32 } else { 3 }.to_le_bytes());
         metadata("class", "string", b"fog volume", out);
-        metadata("file_delayed_load", "__delayedload", &[1; 77], out);
-        metadata("odd", "", &[], out);
+        let name = self.name.split('\x1e').next().unwrap();
+        metadata("name", "string", name.as_bytes(), out);
+        let half = self.kind.ends_with("_HalfFloat");
+        metadata("is_saved_as_half_float", "bool", &[half.into()], out);
+        if self.metadata {
+            metadata("file_delayed_load", "__delayedload", &[1; 77], out);
+            metadata("odd", "", &[], out);
+        }
         string(self.map.0.as_bytes(), out);
         out.extend(self.map.1.iter().flat_map(|x| x.to_le_bytes()));
         if self.parent.is_empty() {
