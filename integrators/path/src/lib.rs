@@ -4,7 +4,8 @@
 //! medium it is gathered at a point sampled by free flight or at one sampled by the inverse squared
 //! distance to a light; what glows at the end of a segment counts as well, attenuated. Multiple
 //! importance sampling with the power heuristic (Veach 1997, §9.2) weights what more than one
-//! technique can find.
+//! technique can find. Light from infinity is sampled directly only where it is much brighter than
+//! what scattering would find by itself: an even sky is left to the walks that escape into it.
 //!
 //! # Needs of the host
 //! [`Geometry`], [`Shading`], [`Media`], [`LightDirect`], and a [`Sensor`](tyndall_core::Sensor) to
@@ -30,6 +31,8 @@
 //! - Christopher Kulla, Marcos Fajardo (2012), "Importance Sampling Techniques for Path Tracing in
 //!   Participating Media". Deviation: the pivot is the very point that direct sampling chooses, and
 //!   the weights are per light point rather than per light.
+//! - Ondřej Karlík et al. (2019), "MIS Compensation: Optimizing Sampling Techniques in Multiple
+//!   Importance Sampling". Deviation: compensated for each direction by the density of scattering.
 //! - Peter Kutz et al. (2017), "Spectral and Decomposition Tracking for Rendering Heterogeneous
 //!   Volumes": free flight for the mixture of channels that the walk still carries.
 #![forbid(unsafe_code)]

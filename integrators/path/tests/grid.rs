@@ -87,7 +87,7 @@ fn a_constant_grid_is_a_homogeneous_medium() {
         reach: 1.01,
     };
     let matched = Interface::Matched;
-    let passes = 30_000;
+    let passes = 120_000;
     let grid = AnalyticHost::sphere(grid.expect("a medium"), 1.0, matched, light, view(3.0));
     let even = AnalyticHost::sphere(even.expect("a medium"), 1.0, matched, light, view(3.0));
     let grid = measure_mean(&grid, &Path::new(), passes, 1);
