@@ -60,14 +60,12 @@ pub enum MediumError {
     GridBounds,
     /// A grid so dense that tracking would take for ever.
     #[error(
-        "the extinction reaches {sigma_t} in a grid {diagonal} long: {} mean free paths; keep them \
-         below {limit}", .sigma_t * .diagonal, limit = MediumError::DENSEST
+        "a ray through a grid may cross up to {depth} mean free paths; make it thinner or smaller, to \
+         keep them below {limit}", limit = MediumError::DENSEST
     )]
     TooDense {
-        /// Largest extinction of any channel, 1/scene unit.
-        sigma_t: f32,
-        /// Diagonal of the box, scene units.
-        diagonal: f32,
+        /// A bound of the optical depth along any ray.
+        depth: f32,
     },
     /// The number of values is not the number of voxels, or there are none.
     #[error(
@@ -217,7 +215,7 @@ pub enum MediumError {
 }
 
 impl MediumError {
-    /// Mean free paths across a grid from which on it is [`MediumError::TooDense`].
+    /// Mean free paths along a ray from which on it is [`MediumError::TooDense`].
     pub const DENSEST: f32 = 1e7;
     /// Values from which on a dense grid is not made of a sparse one: [`MediumError::NotDense`].
     pub const MOST_VALUES: usize = 1 << 31;

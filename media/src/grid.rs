@@ -4,6 +4,7 @@ use crate::MediumError;
 use crate::field::{Cells, Field, Hint, Range, Region};
 use crate::lattice::{Lattice, clip, counts};
 use glam::{DAffine3, DVec3, Vec3};
+use std::fmt::{self, Debug, Formatter};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use tyndall_core::{Aabb, Ray, Spectrum};
@@ -36,7 +37,7 @@ pub enum Filter {
 /// assert_eq!(grid.lookup(Vec3::new(0.75, 0.5, 0.5)), 1.5);
 /// # Ok::<(), tyndall_media::MediumError>(())
 /// ```
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct DenseGrid<T = f32> {
     resolution: [usize; 3],
     bounds: Aabb,
@@ -44,6 +45,16 @@ pub struct DenseGrid<T = f32> {
     filter: Filter,
     /// Voxels per scene unit.
     scale: Vec3,
+}
+
+impl<T> Debug for DenseGrid<T> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.debug_struct("DenseGrid")
+            .field("resolution", &self.resolution)
+            .field("bounds", &self.bounds)
+            .field("filter", &self.filter)
+            .finish_non_exhaustive()
+    }
 }
 
 /// Voxels per scene unit.

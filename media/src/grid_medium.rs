@@ -100,13 +100,12 @@ impl<S: Spectrum, D: Field<f32>> GridMedium<S, D> {
             let most = density.range(&Region::of(bounds)).max;
             let densest = scaled(per_density, most);
             check_coefficients(&densest)?;
-            let sigma_t = densest.sigma_t().max_channel();
-            let diagonal = bounds.size().length();
-            if sigma_t * diagonal > MediumError::DENSEST {
-                return Err(MediumError::TooDense { sigma_t, diagonal });
-            }
         }
         let majorants = majorants(&density, per_density, None);
+        let depth = majorants.depth(bounds);
+        if depth > MediumError::DENSEST {
+            return Err(MediumError::TooDense { depth });
+        }
         Ok(Self {
             density,
             per_density,

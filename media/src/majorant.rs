@@ -8,8 +8,9 @@
 use crate::field::{Cells, MOST_CELLS, Range, Region};
 use glam::{DAffine3, DVec3, IVec3};
 use std::collections::VecDeque;
+use std::fmt::{self, Debug, Formatter};
 use std::ops::ControlFlow;
-use tyndall_core::Ray;
+use tyndall_core::{Aabb, Ray};
 
 /// Children along an edge of a node, and their logarithm.
 const EDGE: i32 = 8;
@@ -66,7 +67,7 @@ impl Children {
 }
 
 /// A tree of bounds.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub(crate) struct Majorants {
     /// From space into units of cells, from the first one.
     to_cells: DAffine3,
@@ -76,11 +77,21 @@ pub(crate) struct Majorants {
     last: [i32; 3],
     /// Nodes above the cells.
     levels: u32,
+    /// The longest way through a cell, and through a node of each level.
+    diagonals: Vec<f32>,
     /// The root first; none if all is empty.
     nodes: Vec<Node>,
     children: Vec<Children>,
     /// Extinction where the density is 1, of the channel where it is largest.
     sigma_t: f32,
+}
+
+impl Debug for Majorants {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Majorants")
+            .field("nodes", &self.nodes.len())
+            .finish_non_exhaustive()
+    }
 }
 
 impl Majorants {
@@ -98,6 +109,7 @@ impl Majorants {
             size: cells.size,
             last: last.to_array(),
             levels,
+            diagonals: Vec::new(),
             nodes: Vec::new(),
             children: Vec::new(),
             sigma_t,
@@ -107,6 +119,8 @@ impl Majorants {
             last,
             describe,
         };
+        let diagonals = (0..=levels).map(|level| maker.region(IVec3::ZERO, level).diagonal());
+        majorants.diagonals = diagonals.map(|length| length as f32).collect();
         if let Some(cell) = maker.cell(IVec3::ZERO, levels) {
             majorants.nodes.push(Node {
                 cell,
@@ -115,6 +129,27 @@ impl Majorants {
             maker.divide(&mut majorants);
         }
         majorants
+    }
+
+    /// A bound of ∫ σt dt along any ray inside these bounds, in the channel where it is largest.
+    pub(crate) fn depth(&self, bounds: Aabb) -> f32 {
+        self.nodes.first().map_or(0.0, |root| {
+            let whole = self.sigma_t * root.cell.density.max * bounds.size().length();
+            whole.min(self.depth_of(root, self.levels))
+        })
+    }
+
+    /// Through a node: along its diagonal, or through all its children, along theirs.
+    fn depth_of(&self, node: &Node, level: u32) -> f32 {
+        let whole = self.sigma_t * node.cell.density.max * self.diagonals[level as usize];
+        let Some(children) = node.children else {
+            return whole;
+        };
+        let Children { places, before } = &self.children[children as usize];
+        let count = u32::from(*places.iter().max().unwrap_or(&0));
+        let children = &self.nodes[*before as usize + 1..][..count as usize];
+        let each = children.iter().map(|child| self.depth_of(child, level - 1));
+        whole.min(each.sum())
     }
 
     /// Visits the stretches of the ray that are not empty, in order: as fine as the bounds of the
@@ -365,14 +400,12 @@ impl<F: Fn(&Region, bool) -> Option<Cell>> Maker<F> {
 
     /// Gives all nodes the children that a ray through them may be worth, from the root down.
     fn divide(&self, tree: &mut Majorants) {
-        let diagonals = (0..=tree.levels).map(|level| self.region(IVec3::ZERO, level).diagonal());
-        let diagonals: Vec<_> = diagonals.map(|length| length as f32).collect();
         let mut open = VecDeque::from([(0, IVec3::ZERO, tree.levels)]);
         while let Some((node, first, level)) = open.pop_front() {
             let Cell {
                 density, uneven, ..
             } = tree.nodes[node].cell;
-            let null = tree.sigma_t * (density.max - density.min) * diagonals[level as usize];
+            let null = tree.sigma_t * (density.max - density.min) * tree.diagonals[level as usize];
             if level == 0 || !(null >= WORTH || uneven) {
                 continue;
             }

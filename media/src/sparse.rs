@@ -13,6 +13,7 @@ pub use tree::{Piece, Tile};
 use crate::field::{Cells, Field, Hint, Range, Region};
 use crate::{Filter, MediumError};
 use glam::{DAffine3, DVec3, IVec3, Vec3};
+use std::fmt::{self, Debug, Formatter};
 use std::sync::Arc;
 use tree::{Found, LEAF, Tree, leaf_slot, leaf_voxel};
 use tyndall_core::{Aabb, Spectrum};
@@ -23,7 +24,7 @@ use tyndall_core::{Aabb, Spectrum};
 ///
 /// Voxel (i, j, k) has its centre at `to_world`·(i, j, k), and any affine transformation with an
 /// inverse will do. Clones share their voxels; for their memory see [`SparseGrid::bytes`].
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct SparseGrid<T = f32> {
     tree: Arc<Tree<T>>,
     to_world: DAffine3,
@@ -45,6 +46,17 @@ pub struct Statistics<T> {
     pub max: T,
     /// Their mean, summed in `f64`.
     pub mean: T,
+}
+
+impl<T: Debug> Debug for SparseGrid<T> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.debug_struct("SparseGrid")
+            .field("background", &self.tree.background)
+            .field("content", &self.content)
+            .field("to_world", &self.to_world)
+            .field("filter", &self.filter)
+            .finish_non_exhaustive()
+    }
 }
 
 const EVERYWHERE: Aabb = Aabb {

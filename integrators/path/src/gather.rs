@@ -94,24 +94,29 @@ where
         }
     }
 
-    /// Light that `source` sends against a direction; the walk turned into it at `last`, with
-    /// density `pdf_w`, or `None` if no light sample could have found it.
+    /// Light that arrives against a direction, from what is hit or from infinity; the walk turned into
+    /// it at `last`, with density `pdf_w`, or `None` if no light sample could have found it.
     pub(crate) fn ahead(
         &self,
         last: Vec3,
-        source: &Anchor<H::Hit>,
+        hit: Option<&H::Hit>,
         direction: Vec3,
         pdf_w: Option<f32>,
     ) -> H::Spectrum {
-        let light = match source {
-            Anchor::Surface(hit) => self.host.emitted(hit, -direction),
-            Anchor::Direction(_) => self.host.background(direction),
-            Anchor::Point(_) => H::Spectrum::default(),
+        let (light, source) = match hit {
+            Some(hit) => {
+                let light = self.host.emitted(hit, -direction);
+                (light, Anchor::Surface(hit.clone()))
+            }
+            None => (
+                self.host.background(direction),
+                Anchor::Direction(direction),
+            ),
         };
         match pdf_w.filter(|_| !light.is_black()) {
             Some(pdf_w) => {
-                let direct = D::direct_pdf_w(self.host, last, source);
-                light * power_heuristic(pdf_w, competing(source, direct, pdf_w))
+                let direct = D::direct_pdf_w(self.host, last, &source);
+                light * power_heuristic(pdf_w, competing(&source, direct, pdf_w))
             }
             None => light,
         }

@@ -2,10 +2,11 @@
 //!
 //! Walks start at the sensor. At every surface light is sampled directly; along every segment in a
 //! medium it is gathered at a point sampled by free flight or at one sampled by the inverse squared
-//! distance to a light; what glows at the end of a segment counts as well, attenuated. Multiple
+//! distance to a light; what glows at the end of a segment counts as well, attenuated, but for light
+//! from infinity, which is left to the walks that escape. Multiple
 //! importance sampling with the power heuristic (Veach 1997, §9.2) weights what more than one
 //! technique can find. Light from infinity is sampled directly only where it is much brighter than
-//! what scattering would find by itself: an even sky is left to the walks that escape into it.
+//! what scattering would find by itself.
 //!
 //! # Needs of the host
 //! [`Geometry`], [`Shading`], [`Media`], [`LightDirect`], and a [`Sensor`](tyndall_core::Sensor) to
@@ -20,7 +21,8 @@
 //!
 //! # What it does not handle well
 //! Small lights behind specular surfaces (caustics of a point light through glass are *not found*,
-//! and are black); long forward-peaked multiple scattering converges slowly.
+//! and are black); long forward-peaked multiple scattering converges slowly. The sun or a sky seen
+//! through what absorbs more than it scatters is found by the few flights that pass.
 //!
 //! # Cost
 //! One ray a segment, one connection a segment in media, one connection a surface. Linear in
@@ -45,8 +47,8 @@ pub use densities::{Densities, Mis, UnhittableLights};
 use gather::{Gather, Line};
 use std::marker::PhantomData;
 use tyndall_core::{
-    Anchor, Geometry, Integrator, LightDirect, Media, Medium, PassContext, PassError, Sampler,
-    SensorRay, Shading, Spectrum, Streams,
+    Geometry, Integrator, LightDirect, Media, Medium, PassContext, PassError, Sampler, SensorRay,
+    Shading, Spectrum, Streams,
 };
 use tyndall_walk::{Event, Site, Walk};
 
@@ -165,15 +167,16 @@ where
             if let Some(medium) = medium {
                 radiance += carried * medium.emitted(&segment.ray, sampler);
             }
-            // Light of a surface at the end of the segment, a lamp maybe, is attenuated rather than
-            // found by those flights that get there. What comes from infinity is mostly as bright as
-            // what the medium scatters, and with flights that show one or the other the sum is even.
-            let ahead = (segment.hit.as_ref()).map(|hit| Anchor::Surface(hit.clone()));
+            // What a surface at the end sends, a lamp maybe, is attenuated rather than found by those
+            // flights that get there. What comes from infinity is mostly as bright as what the medium
+            // scatters, and with flights that show one or the other the sum is even.
             let direction = segment.ray.direction;
-            let ahead = ahead.map(|lamp| gather.ahead(last, &lamp, direction, pdf_w));
-            if let Some(ahead) = ahead.filter(|light| !light.is_black()) {
-                let arriving = medium.map(|medium| medium.transmittance(&segment.ray, sampler));
-                radiance += carried * ahead * arriving.unwrap_or(H::Spectrum::splat(1.0));
+            if let Some(hit) = &segment.hit {
+                let ahead = gather.ahead(last, Some(hit), direction, pdf_w);
+                if !ahead.is_black() {
+                    let arriving = medium.map(|medium| medium.transmittance(&segment.ray, sampler));
+                    radiance += carried * ahead * arriving.unwrap_or(H::Spectrum::splat(1.0));
+                }
             }
             let collides = self.may_collide(walk.depth, walk.collisions);
             let line = medium
@@ -196,8 +199,7 @@ where
             match event {
                 Event::Interface(_) => {}
                 Event::Escape(direction) => {
-                    let sky = Anchor::Direction(direction);
-                    radiance += walk.throughput * gather.ahead(last, &sky, direction, pdf_w);
+                    radiance += walk.throughput * gather.ahead(last, None, direction, pdf_w);
                     break;
                 }
                 Event::Scattering(vertex) => {

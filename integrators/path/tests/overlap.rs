@@ -2,6 +2,7 @@
 //! normal distribution), Šidák-corrected within it; fixed seeds.
 
 use glam::Vec3;
+use std::sync::Arc;
 use tyndall_core::{Aabb, Coefficients, Rgb};
 use tyndall_media::{AnyMedium, Atmosphere, GridMedium, Homogeneous, Overlap, Phase, plume};
 use tyndall_path::Path;
