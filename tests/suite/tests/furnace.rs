@@ -107,8 +107,11 @@ fn wall(axis: usize, side: f64) -> String {
 
 /// Of the scene with these materials and shapes; inline keys must stand before the tables.
 fn is_white(name: &str, shapes: &str, passes: u64) {
-    let text = format!("{shapes}{HEAD}");
-    let file = SceneFile::parse(&text, FilePath::new(name), &[]).unwrap_or_else(|e| panic!("{e}"));
+    is_white_text(name, &format!("{shapes}{HEAD}"), passes);
+}
+
+fn is_white_text(name: &str, text: &str, passes: u64) {
+    let file = SceneFile::parse(text, FilePath::new(name), &[]).unwrap_or_else(|e| panic!("{e}"));
     let scene = file.build::<Rgb>().unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(scene.resolution(), [8, 8]);
     let figures = measure_mean(&scene, &Path::new(), passes, 1);
@@ -179,4 +182,37 @@ fn white_walls_in_milk() {
         ]
     "#;
     is_white("white walls in milk", shapes, 8_000);
+}
+
+#[test]
+fn smoke_and_milk_that_overlap() {
+    // Two boundaries that add, one of them half in glass, which smoke fills as well.
+    let shapes = r#"
+        materials.milk = { kind = "null", inside = "milk", adds = true }
+        materials.smoke = { kind = "null", inside = "smoke", adds = true, priority = 1 }
+        materials.glass = { kind = "dielectric", ior = 1.5, inside = "milk" }
+        shapes = [
+            { kind = "sphere", center = [0, 0.5, 0], radius = 0.8, material = "milk" },
+            { kind = "box", min = [-1, -1, -1], max = [1, 1, 1], material = "smoke" },
+            { kind = "sphere", center = [-0.5, -0.4, 0.4], radius = 0.4, material = "glass" },
+        ]
+    "#;
+    is_white("smoke and milk", shapes, 8_000);
+}
+
+#[test]
+fn smoke_without_a_shape_and_haze_with_one() {
+    let haze = r#"
+        materials.haze = { kind = "null", inside = "haze", adds = true }
+        shapes = [{ kind = "sphere", center = [0.5, 0, 0], radius = 1.2, material = "haze" }]
+        [media.haze]
+        kind = "atmosphere"
+        origin = [0, -2, 0]
+        sigma_a = 0
+        sigma_s = [0.2, 0.6, 1.8]
+        scale_height = 1.5
+        phase = { kind = "henyey_greenstein", g = 0.5 }
+    "#;
+    let head = HEAD.replace("fov = 30", "fov = 30\nmedium = 'smoke'");
+    is_white_text("smoke in haze", &format!("{haze}{head}"), 4_000);
 }
