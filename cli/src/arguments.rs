@@ -3,6 +3,7 @@
 use crate::diff::DiffArguments;
 use crate::merge::MergeArguments;
 use crate::render::INTEGRATORS;
+use crate::volume::VolumeCommand;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 use std::fmt::Display;
@@ -18,7 +19,7 @@ Exit codes:
   0    done; also a render stopped by Ctrl-C that wrote its image
   1    the render failed, or anything else that has no code of its own
   2    the command line is wrong
-  3    the scene, a file that it names, or an image cannot be read or rendered
+  3    the scene, a file that it names, an image or a volume cannot be read, rendered or converted
   4    an image or a file cannot be written (no rights, disk full); what was there is untouched
   5    the checkpoint to resume from is damaged or of another render
   130  a second Ctrl-C did not wait for the pass";
@@ -45,8 +46,11 @@ pub(crate) enum Command {
     Diff(DiffArguments),
     /// Average renders of one scene with different seeds, weighted by their passes.
     Merge(MergeArguments),
-    /// Tell what a scene holds and which transport it needs.
+    /// Tell what a scene holds and which transport it needs, or what the grids of a volume hold.
     Inspect(InspectArguments),
+    /// Convert volume files.
+    #[command(subcommand)]
+    Volume(VolumeCommand),
     /// Print a script that completes the command in a shell.
     Completions {
         /// The shell.
@@ -93,12 +97,13 @@ pub(crate) struct RenderArguments {
 
 #[derive(Debug, Args)]
 pub(crate) struct InspectArguments {
-    /// The scene: a scene file (TOML), or a glTF file (`.gltf`, `.glb`).
-    pub(crate) scene: PathBuf,
+    /// A scene: a scene file (TOML), or a glTF file (`.gltf`, `.glb`); or a volume: `.vdb`, `.nvdb`
+    /// or `.vol`.
+    pub(crate) file: PathBuf,
     /// For programs: JSON instead of text.
     #[arg(long)]
     pub(crate) json: bool,
-    /// Overrides a value of the scene file, as in `--set film.width=64`.
+    /// Overrides a value of a scene file, as in `--set film.width=64`.
     #[arg(long, value_name = "KEY=VALUE", value_parser = assignment)]
     pub(crate) set: Vec<(String, String)>,
 }

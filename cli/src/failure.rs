@@ -16,6 +16,8 @@ pub(crate) enum Error {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Scene(#[from] tyndall_scene_io::Error),
+    #[error("{0}")]
+    CommandLine(String),
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
     #[error("{}: `integrator.kind`: no integrator is called `{name}`: choose `path`", scene.display())]
@@ -57,6 +59,7 @@ impl Error {
         ExitCode::from(match self {
             Self::Scene(Scene::Write { .. }) | Self::Output(_) => 4,
             Self::Scene(_) | Self::UnknownIntegrator { .. } => 3,
+            Self::CommandLine(_) => 2,
             Self::Checkpoint(_) => 5,
             _ => 1,
         })

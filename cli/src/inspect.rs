@@ -1,28 +1,56 @@
 //! `tyndall inspect`.
 
+mod volume;
+
 use crate::arguments::InspectArguments;
 use crate::failure::Error;
 use crate::render::tell_notices;
+use serde::Serialize;
 use std::fmt::{self, Display};
 use std::io::{self, Write};
 use tyndall_core::Rgb;
 use tyndall_scene_io::{
-    CameraSummary, GeometrySummary, LightSummary, MediumSummary, SceneFile, Summary,
+    CameraSummary, GeometrySummary, LightSummary, MediumSummary, SceneFile, Summary, VolumeFormat,
+    VolumeSummary,
 };
 
-/// Prints what the scene holds.
+/// Prints what the scene or the volume holds.
 pub(crate) fn run(arguments: &InspectArguments) -> Result<(), Error> {
-    let file = SceneFile::load(&arguments.scene, &arguments.set)?;
+    let path = &arguments.file;
+    if VolumeFormat::of(path).is_none() {
+        return scene(arguments);
+    }
+    if !arguments.set.is_empty() {
+        let path = path.display();
+        return Err(Error::CommandLine(format!(
+            "`--set`: {path} is a volume, which has no keys: leave it out, or name a scene file"
+        )));
+    }
+    let summary = VolumeSummary::read(path)?;
+    print(arguments, &summary, volume::Report(&summary))
+}
+
+fn scene(arguments: &InspectArguments) -> Result<(), Error> {
+    let file = SceneFile::load(&arguments.file, &arguments.set)?;
     tell_notices(&file);
     let summary = if file.is_grey() {
         Summary::new(&file, &file.build::<f32>()?)
     } else {
         Summary::new(&file, &file.build::<Rgb>()?)
     };
+    print(arguments, &summary, Report(&summary))
+}
+
+/// As JSON, or as text for people.
+fn print(
+    arguments: &InspectArguments,
+    summary: &impl Serialize,
+    report: impl Display,
+) -> Result<(), Error> {
     let text = if arguments.json {
-        serde_json::to_string_pretty(&summary).map_err(io::Error::from)?
+        serde_json::to_string_pretty(summary).map_err(io::Error::from)?
     } else {
-        Report(&summary).to_string()
+        report.to_string()
     };
     match writeln!(io::stdout(), "{text}") {
         // Whoever reads has read enough.

@@ -12,6 +12,7 @@ mod merge;
 mod preview;
 mod progress;
 mod render;
+mod volume;
 
 use arguments::{Arguments, Command};
 use clap::{CommandFactory, Parser};
@@ -23,6 +24,7 @@ fn main() -> ExitCode {
         Command::Diff(arguments) => diff::run(&arguments),
         Command::Merge(arguments) => merge::run(&arguments),
         Command::Inspect(arguments) => inspect::run(&arguments),
+        Command::Volume(command) => volume::run(&command),
         Command::Completions { shell } => {
             let mut command = Arguments::command();
             clap_complete::generate(shell, &mut command, "tyndall", &mut std::io::stdout());

@@ -84,9 +84,14 @@ pub(crate) fn message(text: &str) {
     eprintln!("{text}");
 }
 
-/// [`message`] in one line, whatever the names are that a file gave its parts: line breaks become
-/// semicolons, and other control characters are escaped.
+/// [`message`] in one line, see [`plain`].
 pub(crate) fn line(text: &str) {
+    message(&plain(text));
+}
+
+/// One line, whatever the names are that a file gave its parts: line breaks become semicolons, and
+/// other control characters are escaped.
+pub(crate) fn plain(text: &str) -> String {
     let mut line = String::new();
     for c in text.chars() {
         match c {
@@ -95,5 +100,5 @@ pub(crate) fn line(text: &str) {
             c => line.push(c),
         }
     }
-    message(&line);
+    line
 }

@@ -16,6 +16,7 @@ mod view;
 mod volume;
 
 pub(crate) use material::Material;
+pub(crate) use reader::nearest;
 pub(crate) use shape::{Solid, around_points};
 pub use view::{IntegratorConfig, Scattering};
 

@@ -40,11 +40,12 @@ pub use rendered::{RenderedImage, read_exr};
 pub use scene::Scene;
 pub use srgb::srgb_encode;
 pub use summary::{
-    CameraSummary, Caustics, GeometrySummary, LightSummary, MediumSummary, Needed, Summary,
-    TransportSummary,
+    CameraSummary, Caustics, GeometrySummary, GridSummary, LightSummary, MediumSummary, Needed,
+    Summary, TransportSummary, VolumeSummary, VoxelSummary,
 };
 pub use tyndall_surface::Backend;
-pub use vol::{Volume, read_vol};
+pub use vol::{Volume, read_vol, write_vol};
 pub use volume::{
-    GridClass, NanoCodec, VolumeGrid, Voxels, read_volume, write_nano_vdb, write_open_vdb,
+    ConversionError, GridClass, NanoCodec, VolumeFormat, VolumeGrid, Voxels, read_grids,
+    read_volume, write_nano_vdb, write_open_vdb,
 };

@@ -4,11 +4,13 @@ mod geometry;
 mod lights;
 mod media;
 mod transport;
+mod volume;
 
 pub use geometry::GeometrySummary;
 pub use lights::LightSummary;
 pub use media::MediumSummary;
 pub use transport::{Caustics, Needed, TransportSummary};
+pub use volume::{GridSummary, VolumeSummary, VoxelSummary};
 
 use crate::{Scene, SceneFile};
 use glam::{DVec3, Vec3};

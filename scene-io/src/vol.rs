@@ -1,7 +1,9 @@
 //! Mitsuba's `.vol` files: a regular grid of 32-bit floats.
 
-use crate::Error;
+use crate::image_out::write_whole;
 use crate::open::open;
+use crate::volume::write_dense;
+use crate::{Error, VolumeGrid};
 use glam::DVec3;
 use std::io::Read;
 use std::path::Path;
@@ -55,6 +57,36 @@ pub fn read_vol(path: &Path) -> Result<Volume, Error> {
         .map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]))
         .collect();
     Ok(volume)
+}
+
+/// Writes a grid as a `.vol` file, as [`read_vol`] reads it: all that is not background, with one voxel
+/// of it around, in 32-bit floats; names, and which voxels are active, are lost. What was at `path`
+/// before stays if writing fails.
+///
+/// # Errors
+/// [`Error::Write`] if the file cannot be written, or the grid is a level set, was not read, is all
+/// background, would have more than 2³² voxels, is turned, sheared or mirrored, or lies so far from the
+/// origin that its box rounds to another by 1 % of a voxel.
+pub fn write_vol(path: &Path, grid: &VolumeGrid) -> Result<(), Error> {
+    write_whole(path, |out| write_dense(out, grid))
+}
+
+/// What stands before the values.
+pub(crate) fn header(
+    resolution: [usize; 3],
+    channels: usize,
+    bounds: [[f32; 3]; 2],
+) -> [u8; HEADER] {
+    let mut header = [0; HEADER];
+    header[..4].copy_from_slice(b"VOL\x03");
+    let [x, y, z] = resolution;
+    let counts = [1, x, y, z, channels].map(|n| (n as i32).to_le_bytes());
+    let corners = bounds.as_flattened().iter().map(|x| x.to_le_bytes());
+    let words = header[4..].chunks_exact_mut(4);
+    for (word, bytes) in words.zip(counts.into_iter().chain(corners)) {
+        word.copy_from_slice(&bytes);
+    }
+    header
 }
 
 /// What a header says of the `length` bytes after it, which are not read yet, and their number.

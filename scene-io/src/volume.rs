@@ -1,13 +1,22 @@
 //! Sparse volumes: OpenVDB and NanoVDB files.
 
 mod blosc;
+mod dense;
+mod half;
+mod level_set;
 mod nano_vdb;
 mod open_vdb;
+mod rebuild;
 
 use crate::Error;
+use crate::file::nearest;
 use crate::image_out::write_whole;
 use crate::open::read;
+use crate::vol::read_vol;
+pub(crate) use dense::write_dense;
 pub use nano_vdb::NanoCodec;
+pub(crate) use rebuild::in_leaf;
+use serde::Serialize;
 use std::io::Write;
 use std::path::Path;
 use tyndall_core::Rgb;
@@ -23,6 +32,8 @@ pub struct VolumeGrid {
     pub class: GridClass,
     /// The type of its values as the file names it, such as `float` or `half`.
     pub kind: String,
+    /// Why its voxels cannot be read, whatever is asked for: a sentence with the mend.
+    pub unsupported: Option<String>,
     /// Its voxels.
     pub voxels: Voxels,
 }
@@ -43,13 +54,15 @@ impl VolumeGrid {
             name: name.into(),
             class,
             kind: kind.into(),
+            unsupported: None,
             voxels,
         }
     }
 }
 
 /// What the values of a grid mean.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum GridClass {
     /// The file does not say.
     #[default]
@@ -73,6 +86,61 @@ pub enum Voxels {
     Unread,
 }
 
+/// What kind of volume file a name stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum VolumeFormat {
+    /// OpenVDB, `.vdb`.
+    OpenVdb,
+    /// NanoVDB, `.nvdb`.
+    NanoVdb,
+    /// Mitsuba's, `.vol`.
+    Vol,
+}
+
+impl VolumeFormat {
+    /// By the extension, in capitals or not; `None` if it is that of no volume.
+    pub fn of(path: &Path) -> Option<Self> {
+        let extension = path.extension()?.to_ascii_lowercase();
+        Some(match extension.to_str()? {
+            "vdb" => Self::OpenVdb,
+            "nvdb" => Self::NanoVdb,
+            "vol" => Self::Vol,
+            _ => return None,
+        })
+    }
+}
+
+/// Why a grid could not be made another.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ConversionError {
+    /// The band of a level set has no width.
+    #[error(
+        "its background, the half width of the band of a level set, is {background}: make it positive and finite"
+    )]
+    Band {
+        /// The background.
+        background: f32,
+    },
+    /// A distance is none.
+    #[error("its voxel {voxel:?} is NaN: give it a distance")]
+    Distance {
+        /// The first bad voxel.
+        voxel: [i32; 3],
+    },
+    /// A value is too large for halves.
+    #[error("its voxel {voxel:?} is {value} and halves end at 65504: keep it in 32 bits")]
+    Half {
+        /// The first bad voxel; of a tile its first, or \[0, 0, 0\] if it is the background.
+        voxel: [i32; 3],
+        /// Its value in the first channel that is too large.
+        value: f32,
+    },
+}
+
+/// Which grids of a file to read the voxels of, asked of each without them.
+type Wanted<'a> = dyn Fn(&VolumeGrid) -> bool + 'a;
+
 /// Reads the grids of an OpenVDB or NanoVDB file whose name is `wanted`; of the others only what they
 /// are ([`Voxels::Unread`]).
 ///
@@ -80,18 +148,65 @@ pub enum Voxels {
 /// [`Error::Read`] if the file cannot be read, [`Error::Volume`] if it is broken, of a kind that is not
 /// read, or no such file.
 pub fn read_volume(path: &Path, wanted: impl Fn(&str) -> bool) -> Result<Vec<VolumeGrid>, Error> {
+    read_wanted(path, &|grid| wanted(&grid.name))
+}
+
+/// Reads the grids of these names; without names all that can be read, and of the others what they
+/// are and why they cannot ([`VolumeGrid::unsupported`]). A `.vol` file is one grid, which is called
+/// `density` if it has one channel and `albedo` if it has three; its voxels that are 0 are inactive.
+///
+/// # Errors
+/// As of [`read_volume`], or of [`read_vol`] if the extension is `.vol`; [`Error::Volume`] also if
+/// there is no grid of a name, which names the nearest.
+pub fn read_grids(path: &Path, names: &[String]) -> Result<Vec<VolumeGrid>, Error> {
+    let wanted = |grid: &VolumeGrid| match names {
+        [] => grid.unsupported.is_none(),
+        names => names.contains(&grid.name),
+    };
+    let mut grids = match VolumeFormat::of(path) {
+        Some(VolumeFormat::Vol) => {
+            let grid = dense::sparse(read_vol(path)?);
+            vec![grid.map_err(|problem| volume_error(path, problem))?]
+        }
+        _ => read_wanted(path, &wanted)?,
+    };
+    let is_there = |name: &String| grids.iter().any(|grid| grid.name == *name);
+    if let Some(name) = names.iter().find(|name| !is_there(name)) {
+        let known = grids.iter().map(|grid| grid.name.as_str());
+        let mend = match nearest(name, known.clone()) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None if grids.is_empty() => "it holds none".into(),
+            None => {
+                let known: Vec<_> = known.map(|name| format!("`{name}`")).collect();
+                format!("choose one of {}", known.join(", "))
+            }
+        };
+        return Err(volume_error(
+            path,
+            format!("there is no grid `{name}`; {mend}"),
+        ));
+    }
+    grids.retain(|grid| names.is_empty() || wanted(grid));
+    Ok(grids)
+}
+
+fn read_wanted(path: &Path, wanted: &Wanted<'_>) -> Result<Vec<VolumeGrid>, Error> {
     let bytes = read(path)?;
     let grids = if bytes.starts_with(&open_vdb::MAGIC) {
-        open_vdb::read(&bytes, &wanted)
+        open_vdb::read(&bytes, wanted)
     } else if bytes.starts_with(nano_vdb::MAGIC) {
-        nano_vdb::read(&bytes, &wanted)
+        nano_vdb::read(&bytes, wanted)
     } else {
         Err("is neither an OpenVDB nor a NanoVDB file: export it as .vdb or .nvdb".into())
     };
-    grids.map_err(|problem| Error::Volume {
+    grids.map_err(|problem| volume_error(path, problem))
+}
+
+fn volume_error(path: &Path, problem: String) -> Error {
+    Error::Volume {
         path: path.to_owned(),
         problem,
-    })
+    }
 }
 
 /// Writes grids as an OpenVDB file, their voxels with the precision that they have. Files of the same

@@ -3,12 +3,15 @@
 
 mod assets;
 mod case;
+#[path = "../support/volumes.rs"]
+mod clouds;
 mod command;
 mod gltf;
 mod images;
 #[path = "../support/images.rs"]
 mod pictures;
 mod scene;
+mod volumes;
 
 use case::Case;
 use pictures::{said, tyndall};
@@ -97,6 +100,7 @@ fn bad_inputs_end_in_one_message_and_leave_nothing() {
         gltf::cases(),
         images::cases(),
         command::cases(),
+        volumes::cases(),
     ]
     .into_iter()
     .flatten()
@@ -120,5 +124,10 @@ fn the_inputs_are_good_but_for_what_the_rows_break() {
         assert!(output.status.success(), "{}: {}", case.name, said(&output));
         let image = fs::read(folder.path().join("out.exr")).expect("an image");
         assert!(image != OLDER_IMAGE, "{}", case.name);
+    }
+    for case in volumes::good() {
+        let folder = folder(&case, false);
+        let output = tyndall(&folder, &case.arguments);
+        assert!(output.status.success(), "{}: {}", case.name, said(&output));
     }
 }

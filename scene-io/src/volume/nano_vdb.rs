@@ -16,7 +16,7 @@ mod summary;
 mod tree;
 mod write;
 
-use super::{VolumeGrid, Voxels};
+use super::{VolumeGrid, Voxels, Wanted};
 pub(super) use write::write;
 
 /// What every such file begins with; the digit after it tells segments and buffers apart, in later
@@ -37,25 +37,25 @@ pub enum NanoCodec {
     Zip,
 }
 
-/// The grids of a file; those whose name is not `wanted` without their voxels. What is wrong is said in
-/// a sentence that names the grid and the mend.
+/// The grids of a file; those that are not `wanted` without their voxels. What is wrong is said in a
+/// sentence that names the grid and the mend.
 ///
 /// Read are float, double, Vec3f, Vec3d and the quantised Fp4, Fp8, Fp16 and `FpN`, all as `f32`. Blind
 /// data and checksums are passed over, and so are inactive tiles that equal the background.
-pub(super) fn read(bytes: &[u8], wanted: &dyn Fn(&str) -> bool) -> Result<Vec<VolumeGrid>, String> {
+pub(super) fn read(bytes: &[u8], wanted: &Wanted<'_>) -> Result<Vec<VolumeGrid>, String> {
     let read = |entry: file::Entry<'_>| {
-        let voxels = if wanted(&entry.name) {
-            let voxels = grid::voxels(&entry);
-            voxels.map_err(|problem| format!("grid `{}`: {problem}", entry.name))?
-        } else {
-            Voxels::Unread
-        };
-        Ok(VolumeGrid {
-            name: entry.name,
+        let mut found = VolumeGrid {
+            name: entry.name.clone(),
             class: grid::class(entry.class),
             kind: layout::name(entry.kind).to_owned(),
-            voxels,
-        })
+            unsupported: layout::Layout::of(entry.kind).err(),
+            voxels: Voxels::Unread,
+        };
+        if wanted(&found) {
+            let voxels = grid::voxels(&entry);
+            found.voxels = voxels.map_err(|problem| format!("grid `{}`: {problem}", entry.name))?;
+        }
+        Ok(found)
     };
     file::entries(bytes)?.into_iter().map(read).collect()
 }

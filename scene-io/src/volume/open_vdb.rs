@@ -12,7 +12,7 @@ mod write;
 
 pub(super) use write::write;
 
-use super::{VolumeGrid, Voxels};
+use super::{VolumeGrid, Voxels, Wanted};
 use cursor::Cursor;
 use grid::{Grid, shown};
 use std::collections::HashMap;
@@ -23,26 +23,26 @@ const UUID: usize = 36;
 /// How often a file may hold its own bytes again in grids that share a tree.
 const MOST_INSTANCES: usize = 16;
 
-/// The grids of a file; those whose name is not `wanted` without their voxels. What is wrong is said in
-/// a sentence that names the grid and the mend.
-pub(super) fn read(bytes: &[u8], wanted: &dyn Fn(&str) -> bool) -> Result<Vec<VolumeGrid>, String> {
+/// The grids of a file; those that are not `wanted` without their voxels. What is wrong is said in a
+/// sentence that names the grid and the mend.
+pub(super) fn read(bytes: &[u8], wanted: &Wanted<'_>) -> Result<Vec<VolumeGrid>, String> {
     let grids = grids(bytes)?;
     let own = grids.iter().filter(|grid| grid.parent.is_empty());
     let own = own.map(|grid| (grid.unique, grid)).collect();
     let mut shared = 0;
     let read = |grid: &Grid| {
-        let voxels = if wanted(&grid.name) {
-            voxels(grid, &own, &mut shared, bytes.len())
-                .map_err(|e| format!("grid `{}` {e}", shown(grid.name.as_bytes())))?
-        } else {
-            Voxels::Unread
-        };
-        Ok(VolumeGrid {
+        let mut found = VolumeGrid {
             name: grid.name.clone(),
             class: grid.class,
             kind: grid.kind(),
-            voxels,
-        })
+            unsupported: grid.unsupported().map(|why| format!("it {why}")),
+            voxels: Voxels::Unread,
+        };
+        if wanted(&found) {
+            found.voxels = voxels(grid, &own, &mut shared, bytes.len())
+                .map_err(|e| format!("grid `{}` {e}", shown(grid.name.as_bytes())))?;
+        }
+        Ok(found)
     };
     grids.iter().map(read).collect()
 }

@@ -31,13 +31,7 @@ pub(super) fn class_code(class: GridClass) -> u32 {
 
 /// Reads the voxels of a grid.
 pub(super) fn voxels(entry: &Entry<'_>) -> Result<Voxels, String> {
-    let layout = Layout::of(entry.kind).ok_or_else(|| {
-        format!(
-            "its values are of type {} ({}), which is not read: export it as float or Vec3f",
-            name(entry.kind),
-            entry.kind
-        )
-    })?;
+    let layout = Layout::of(entry.kind)?;
     let buffer = unpack(entry.codec, entry.stored, entry.size)?;
     let bytes = Bytes(&buffer);
     if !bytes.slice(0, MAGIC.len())?.starts_with(MAGIC) {

@@ -148,20 +148,25 @@ impl Layout {
         }
     }
 
-    /// Of a type that is read.
-    pub(super) fn of(code: u32) -> Option<Self> {
+    /// Of a type that is read; of another, why it is not.
+    pub(super) fn of(code: u32) -> Result<Self, String> {
         let (scalar, channels, leaves) = match code {
-            FLOAT => return Some(Self::plain(1)),
-            VEC3F => return Some(Self::plain(3)),
+            FLOAT => return Ok(Self::plain(1)),
+            VEC3F => return Ok(Self::plain(3)),
             2 => (8, 1, Leaves::Values),
             7 => (8, 3, Leaves::Values),
             13 => (4, 1, Leaves::Codes(2)),
             14 => (4, 1, Leaves::Codes(3)),
             15 => (4, 1, Leaves::Codes(4)),
             16 => (4, 1, Leaves::AnyCodes),
-            _ => return None,
+            _ => {
+                return Err(format!(
+                    "its values are of type {} ({code}), which is not read: export it as float or Vec3f",
+                    name(code)
+                ));
+            }
         };
-        Some(Self {
+        Ok(Self {
             scalar,
             channels,
             leaves,

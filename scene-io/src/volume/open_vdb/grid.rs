@@ -152,10 +152,15 @@ impl<'a> Grid<'a> {
             Kind::Vector(number) => {
                 tree::read(cursor, format(*number)?, to_world).map(Voxels::Vector)
             }
-            Kind::Other(kind) => Err(format!(
-                "is of type `{}`, which is not read: export it as float, half, double, vec3s or vec3d in the tree 5_4_3",
-                shown(kind.as_bytes())
-            )),
+            Kind::Other(kind) => Err(unsupported(kind)),
+        }
+    }
+
+    /// Why it cannot be read whatever its tree holds: its type, or its transform.
+    pub(super) fn unsupported(&self) -> Option<String> {
+        match &self.kind {
+            Kind::Other(kind) => Some(unsupported(kind)),
+            Kind::Scalar(_) | Kind::Vector(_) => self.to_world.clone().err(),
         }
     }
 
@@ -163,6 +168,13 @@ impl<'a> Grid<'a> {
     pub(super) fn tree_bytes(&self) -> usize {
         self.tree.rest()
     }
+}
+
+fn unsupported(kind: &str) -> String {
+    format!(
+        "is of type `{}`, which is not read: export it as float, half, double, vec3s or vec3d in the tree 5_4_3",
+        shown(kind.as_bytes())
+    )
 }
 
 /// What a file calls something, for a message: one line, not too long.
