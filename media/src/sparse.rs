@@ -57,7 +57,7 @@ impl<T: Spectrum> SparseGrid<T> {
             filter: Filter::default(),
             bounds: Aabb::EMPTY,
         };
-        grid.transformed(to_world)
+        grid.placed(to_world)
     }
 
     /// The same grid elsewhere: `by` takes what is there to its new place.
@@ -66,6 +66,14 @@ impl<T: Spectrum> SparseGrid<T> {
     /// [`MediumError::Transform`] if that, after the grid's own, has no inverse.
     pub fn transformed(self, by: DAffine3) -> Result<Self, MediumError> {
         let to_world = by * self.to_world;
+        self.placed(to_world)
+    }
+
+    /// The same grid with this transformation in place of its own.
+    ///
+    /// # Errors
+    /// [`MediumError::Transform`] if it has no inverse.
+    pub fn placed(self, to_world: DAffine3) -> Result<Self, MediumError> {
         let to_index = to_world.inverse();
         let has_inverse = |m: DAffine3| m.is_finite() && m.matrix3.determinant() != 0.0;
         if !(has_inverse(to_world) && has_inverse(to_index)) {

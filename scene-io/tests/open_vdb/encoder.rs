@@ -148,7 +148,8 @@ impl Grid {
             out.extend((0..values.len() / 8).map(|i| byte(8 * i)));
         }
         let all = self.flags & ACTIVE_MASK == 0 || code == 6;
-        let half = self.kind.ends_with("_HalfFloat");
+        // OpenVDB writes halves that are saved as halves as if they were not.
+        let half = self.kind.ends_with("_HalfFloat") && self.number != Number::Half;
         let number = if half { Number::Half } else { self.number };
         let mut bytes = Vec::new();
         for (slot, value) in values.iter().enumerate() {
@@ -156,7 +157,10 @@ impl Grid {
                 self.value(*value, number, &mut bytes);
             }
         }
-        self.block(&bytes, out);
+        // Of none, halves have no block.
+        if !(half && bytes.is_empty()) {
+            self.block(&bytes, out);
+        }
     }
 
     /// Channels are value, value + 1, …
