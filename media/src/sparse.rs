@@ -345,8 +345,8 @@ impl<T: Spectrum> Field<T> for SparseGrid<T> {
 /// The box around all that is not background.
 fn content<T: Spectrum>(tree: &Tree<T>) -> Option<[IVec3; 2]> {
     let mut content: Option<[IVec3; 2]> = None;
-    let mut add = |first: IVec3, last: IVec3| {
-        content = Some(match content {
+    let add = |content: &mut Option<[IVec3; 2]>, first: IVec3, last: IVec3| {
+        *content = Some(match *content {
             None => [first, last],
             Some([a, b]) => [a.min(first), b.max(last)],
         });
@@ -354,15 +354,19 @@ fn content<T: Spectrum>(tree: &Tree<T>) -> Option<[IVec3; 2]> {
     tree.visit(|origin, piece| match piece {
         Piece::Tile { edge, tile } => {
             if tile.value != tree.background {
-                add(origin, origin + (edge - 1));
+                add(&mut content, origin, origin + (edge - 1));
             }
         }
         Piece::Leaf { leaf, .. } => {
+            let last = origin + (LEAF - 1);
+            if content.is_some_and(|[a, b]| origin.cmpge(a).all() && last.cmple(b).all()) {
+                return; // It can add nothing.
+            }
             for slot in 0..leaves::VOXELS {
                 if tree.leaves.value(leaf, slot) != tree.background {
                     let [x, y, z] = [slot >> 6, (slot >> 3) & 7, slot & 7].map(|i| i as i32);
                     let voxel = origin + IVec3::new(x, y, z);
-                    add(voxel, voxel);
+                    add(&mut content, voxel, voxel);
                 }
             }
         }

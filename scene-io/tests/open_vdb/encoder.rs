@@ -105,7 +105,7 @@ impl Grid {
         }
     }
 
-    /// Tiles of 4096³, 128³ and 8³ voxels, and a leaf.
+    /// Tiles of 4096³, 128³ and 8³ voxels, a leaf of which nothing is active, and one.
     fn tree(&self, out: &mut Vec<u8>) {
         out.extend(1_u32.to_le_bytes());
         self.value(BACKGROUND, self.number, out);
@@ -114,9 +114,9 @@ impl Grid {
         self.value(0.25, self.number, out);
         out.push(1);
         out.extend([0; 12]);
-        for (slots, tile) in [(32_usize.pow(3), 0.5), (16_usize.pow(3), 0.75)] {
-            // A child in the first slot, the tile in the second.
-            for word in [1, 2] {
+        for (slots, children, tile) in [(32_usize.pow(3), 1, 0.5), (16_usize.pow(3), 5, 0.75)] {
+            // A child in the first slot, the tile in the second, of lower nodes a child in the third.
+            for word in [children, 2] {
                 let mut mask = vec![0; slots / 8];
                 mask[0] = word;
                 out.extend(mask);
@@ -126,7 +126,9 @@ impl Grid {
             self.values(&values, |slot| slot == 1, 0, out);
         }
         let mask = [0x55; 64];
-        out.extend(mask);
+        let off = [0; 64];
+        out.extend([off, mask, off].as_flattened());
+        self.values(&[BACKGROUND; 512], |_| false, 0, out);
         out.extend(mask);
         let values: Vec<_> = (0..512).map(|slot| voxel(slot, self.code)).collect();
         self.values(&values, |slot| slot % 2 == 0, self.code, out);
