@@ -74,7 +74,7 @@ impl<T: Spectrum> SparseGrid<T> {
             filter: Filter::default(),
             bounds: Aabb::EMPTY,
         };
-        grid.transformed(to_world)
+        grid.placed(to_world)
     }
 
     /// The same grid elsewhere: `by` takes what is there to its new place.
@@ -83,6 +83,14 @@ impl<T: Spectrum> SparseGrid<T> {
     /// [`MediumError::Transform`] if that, after the grid's own, has no inverse.
     pub fn transformed(self, by: DAffine3) -> Result<Self, MediumError> {
         let to_world = by * self.to_world;
+        self.placed(to_world)
+    }
+
+    /// The same grid with this transformation in place of its own.
+    ///
+    /// # Errors
+    /// [`MediumError::Transform`] if it has no inverse.
+    pub fn placed(self, to_world: DAffine3) -> Result<Self, MediumError> {
         let to_index = to_world.inverse();
         let has_inverse = |m: DAffine3| m.is_finite() && m.matrix3.determinant() != 0.0;
         if !(has_inverse(to_world) && has_inverse(to_index)) {
@@ -369,8 +377,8 @@ impl<T: Spectrum> Field<T> for SparseGrid<T> {
 /// The box around all that is not background.
 fn content<T: Spectrum>(tree: &Tree<T>) -> Option<[IVec3; 2]> {
     let mut content: Option<[IVec3; 2]> = None;
-    let mut add = |first: IVec3, last: IVec3| {
-        content = Some(match content {
+    let add = |content: &mut Option<[IVec3; 2]>, first: IVec3, last: IVec3| {
+        *content = Some(match *content {
             None => [first, last],
             Some([a, b]) => [a.min(first), b.max(last)],
         });
@@ -378,14 +386,18 @@ fn content<T: Spectrum>(tree: &Tree<T>) -> Option<[IVec3; 2]> {
     tree.visit(|origin, piece| match piece {
         Piece::Tile { edge, tile } => {
             if tile.value != tree.background {
-                add(origin, origin + (edge - 1));
+                add(&mut content, origin, origin + (edge - 1));
             }
         }
         Piece::Leaf { leaf, .. } => {
+            let last = origin + (LEAF - 1);
+            if content.is_some_and(|[a, b]| origin.cmpge(a).all() && last.cmple(b).all()) {
+                return; // It can add nothing.
+            }
             for slot in 0..leaves::VOXELS {
                 if tree.leaves.value(leaf, slot) != tree.background {
                     let voxel = origin + leaf_voxel(slot);
-                    add(voxel, voxel);
+                    add(&mut content, voxel, voxel);
                 }
             }
         }

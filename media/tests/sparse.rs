@@ -368,3 +368,100 @@ fn backgrounds_of_a_density_are_zero() {
     assert_eq!(medium(0.0), Ok(()));
     assert_eq!(medium(0.5), Err(MediumError::Endless));
 }
+
+/// What was added before is converted, both ways.
+#[test]
+fn precision_may_be_chosen_late() {
+    let voxels = [
+        (IVec3::ZERO, 0.1),
+        (IVec3::new(9, 0, 0), -3.0),
+        (IVec3::new(-1, 300, 0), 7.5),
+    ];
+    let add = |grid: &mut SparseBuilder, voxels: &[(IVec3, f32)]| {
+        for (at, value) in voxels {
+            grid.voxel(*at, *value).unwrap();
+        }
+    };
+    let half = |x: f32| if x == 0.1 { 0.099_975_586 } else { x };
+    for first in [Precision::Single, Precision::Half] {
+        for then in [Precision::Single, Precision::Half] {
+            let mut grid = SparseBuilder::new(0.0).with_precision(first);
+            add(&mut grid, &voxels[..2]);
+            let mut grid = grid.with_precision(then);
+            add(&mut grid, &voxels[2..]);
+            let grid = grid.build(DAffine3::IDENTITY).unwrap();
+            assert_eq!(grid.precision(), then);
+            for (at, value) in voxels {
+                let rounded = [first, then].contains(&Precision::Half);
+                let expected = if rounded { half(value) } else { value };
+                assert_eq!(grid.voxel(at), expected, "{first:?}, {then:?}");
+            }
+        }
+    }
+}
+
+/// What halves cannot hold is kept in 32 bits, wherever it comes; infinities stay what they are.
+#[test]
+fn halves_never_overflow() {
+    let late = |value: f32, precision| {
+        let mut grid = SparseBuilder::new(0.0).with_precision(precision);
+        grid.voxel(IVec3::ZERO, 0.5).unwrap();
+        grid.voxel(IVec3::X, value).unwrap();
+        grid
+    };
+    let early = |value: f32| late(value, Precision::Single).with_precision(Precision::Half);
+    let leaf = |value: f32| {
+        let mut grid = late(1.0, Precision::Half);
+        grid.leaf(IVec3::splat(8), &[value; 512], [1; 8]).unwrap();
+        grid
+    };
+    let makers: [(&dyn Fn(f32) -> SparseBuilder, IVec3); 3] = [
+        (&|value| late(value, Precision::Half), IVec3::X),
+        (&early, IVec3::X),
+        (&leaf, IVec3::splat(9)),
+    ];
+    for (make, at) in makers {
+        for (value, precision) in [
+            (65_504.0, Precision::Half),
+            (-65_504.0, Precision::Half),
+            (f32::INFINITY, Precision::Half),
+            (70_000.0, Precision::Single),
+            (f32::MIN, Precision::Single),
+        ] {
+            let grid = make(value).build(DAffine3::IDENTITY).unwrap();
+            assert_eq!((grid.precision(), grid.voxel(at)), (precision, value));
+            assert_eq!(grid.voxel(IVec3::ZERO), 0.5);
+        }
+    }
+    let far = SparseBuilder::new(1e6_f32).with_precision(Precision::Half);
+    let far = far.build(DAffine3::IDENTITY).unwrap();
+    assert_eq!(
+        (far.precision(), far.background()),
+        (Precision::Single, 1e6)
+    );
+}
+
+/// The background is rounded as the voxels of its value are, so that none of them is content.
+#[test]
+fn background_among_halves_is_no_content() {
+    let mut grid = SparseBuilder::new(0.1_f32).with_precision(Precision::Half);
+    grid.voxel(IVec3::new(3, 4, 5), 2.0).unwrap();
+    (grid.tile(IVec3::splat(128), TileSize::Lower, 0.1, true)).unwrap();
+    let grid = grid.build(DAffine3::IDENTITY).unwrap();
+    assert_eq!(grid.content(), Some([IVec3::new(3, 4, 5); 2]));
+    assert_eq!(grid.background(), 0.099_975_586);
+    assert_eq!(grid.statistics().voxels, 1 + 128_u64.pow(3));
+}
+
+/// To the bit, where a product with an inverse would round.
+#[test]
+fn grids_are_placed_anew() {
+    let mut grid = SparseBuilder::new(0.0_f32);
+    grid.voxel(IVec3::ONE, 1.0).unwrap();
+    let grid = grid.build(skewed()).unwrap();
+    let other = DAffine3::from_translation(DVec3::new(0.1, 0.2, 0.3)) * skewed().inverse();
+    let placed = grid.clone().placed(other).unwrap();
+    assert_eq!((placed.to_world(), placed.voxel(IVec3::ONE)), (other, 1.0));
+    let flat = DAffine3::from_scale(DVec3::new(1.0, 0.0, 1.0));
+    assert_eq!(grid.placed(flat).err(), Some(MediumError::Transform));
+}

@@ -1,12 +1,16 @@
 //! Sparse volumes: OpenVDB and NanoVDB files.
 
 mod blosc;
+mod bytes;
 mod dense;
 mod half;
+mod level;
 mod level_set;
+mod message;
 mod nano_vdb;
 mod open_vdb;
 mod rebuild;
+mod skeleton;
 
 use crate::Error;
 use crate::file::nearest;
@@ -30,7 +34,9 @@ pub struct VolumeGrid {
     pub name: String,
     /// What its values mean.
     pub class: GridClass,
-    /// The type of its values as the file names it, such as `float` or `half`.
+    /// The type of its values: as the file names it, such as `float`, but `half` or `vec3h` for those that
+    /// an OpenVDB file stores as halves, whatever their type; a type that is not read may stand with
+    /// the form of its tree. Of a new grid, the type of OpenVDB that has its precision.
     pub kind: String,
     /// Why its voxels cannot be read, whatever is asked for: a sentence with the mend.
     pub unsupported: Option<String>,
@@ -63,8 +69,9 @@ impl VolumeGrid {
 /// What the values of a grid mean.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum GridClass {
-    /// The file does not say.
+    /// The file does not say, or says what has no use here.
     #[default]
     Unknown,
     /// A density.
@@ -77,6 +84,7 @@ pub enum GridClass {
 
 /// The voxels of a grid.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub enum Voxels {
     /// One channel: float, half, double.
     Scalar(SparseGrid<f32>),
@@ -145,7 +153,7 @@ type Wanted<'a> = dyn Fn(&VolumeGrid) -> bool + 'a;
 /// are ([`Voxels::Unread`]).
 ///
 /// # Errors
-/// [`Error::Read`] if the file cannot be read, [`Error::Volume`] if it is broken, of a kind that is not
+/// [`Error::Read`] if the file cannot be read, [`Error::Volume`] if it is damaged, of a kind that is not
 /// read, or no such file.
 pub fn read_volume(path: &Path, wanted: impl Fn(&str) -> bool) -> Result<Vec<VolumeGrid>, Error> {
     read_wanted(path, &|grid| wanted(&grid.name))
@@ -197,7 +205,7 @@ fn read_wanted(path: &Path, wanted: &Wanted<'_>) -> Result<Vec<VolumeGrid>, Erro
     } else if bytes.starts_with(nano_vdb::MAGIC) {
         nano_vdb::read(&bytes, wanted)
     } else {
-        Err("is neither an OpenVDB nor a NanoVDB file: export it as .vdb or .nvdb".into())
+        Err("it is neither an OpenVDB nor a NanoVDB file: export it as .vdb or .nvdb".into())
     };
     grids.map_err(|problem| volume_error(path, problem))
 }
@@ -213,18 +221,21 @@ fn volume_error(path: &Path, problem: String) -> Error {
 /// grids are the same to the byte. What was at `path` before stays if writing fails.
 ///
 /// # Errors
-/// [`Error::Write`], also if a grid is [`Voxels::Unread`].
+/// [`Error::Write`] if the file cannot be written, there is no grid, one is [`Voxels::Unread`], or its
+/// name has more than 255 bytes, a zero byte or the byte 0x1e: OpenVDB or NanoVDB cannot hold those.
 pub fn write_open_vdb(path: &Path, grids: &[VolumeGrid]) -> Result<(), Error> {
-    let bytes = open_vdb::write(grids).map_err(|reason| Error::write(path, reason))?;
+    let bytes = message::check(grids).and_then(|()| open_vdb::write(grids));
+    let bytes = bytes.map_err(|reason| Error::write(path, reason))?;
     write_whole(path, |out| out.write_all(&bytes).map_err(|e| e.to_string()))
 }
 
-/// Writes grids to a NanoVDB file (32.4) as float or Vec3f, half precision as float. Nothing is left
-/// half-written.
+/// Writes grids to a NanoVDB file (32.4) as float or Vec3f, half precision as float. A class that
+/// NanoVDB does not know of such values, as fog of vectors, becomes unknown. What was at `path` before
+/// stays if writing fails.
 ///
 /// # Errors
-/// [`Error::Write`] if the file cannot be written, there is no grid, one was not read or has a name of
-/// 256 bytes or more.
+/// As of [`write_open_vdb`].
 pub fn write_nano_vdb(path: &Path, grids: &[VolumeGrid], codec: NanoCodec) -> Result<(), Error> {
+    message::check(grids).map_err(|reason| Error::write(path, reason))?;
     write_whole(path, |out| nano_vdb::write(out, grids, codec))
 }

@@ -22,10 +22,10 @@ fn grid(f: &mut fmt::Formatter<'_>, grid: &GridSummary) -> fmt::Result {
         name => plain(name),
     };
     let class = match grid.class {
-        GridClass::Unknown => "",
         GridClass::FogVolume => ", fog volume",
         GridClass::LevelSet => ", level set",
         GridClass::Staggered => ", staggered",
+        _ => "",
     };
     write!(f, "\ngrid        {name}: {}{class}", plain(&grid.kind))?;
     if let Some(why) = &grid.unsupported {

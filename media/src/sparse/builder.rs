@@ -22,15 +22,64 @@ pub enum TileSize {
     Upper,
 }
 
-/// What a slot is to hold.
-#[derive(Clone, Debug)]
-enum Slot<T, C> {
-    Child(C),
+/// What a slot is to hold: a node of the level below, by its number there, or one value.
+#[derive(Clone, Copy, Debug)]
+enum Slot<T> {
+    Child(u32),
     Tile(Tile<T>),
 }
 
-type Lower<T> = BTreeMap<usize, Slot<T, u32>>;
-type Upper<T> = BTreeMap<usize, Slot<T, Lower<T>>>;
+/// The slots of a node that hold something, in order: a few bytes each, as files may have nodes that
+/// are full of tiles in a bit each.
+#[derive(Clone, Debug)]
+struct Slots<T>(Vec<(u16, Slot<T>)>);
+
+impl<T: Copy> Slots<T> {
+    /// Where a slot is, or where it is to be.
+    fn find(&self, slot: usize) -> Result<usize, usize> {
+        let slot = slot as u16;
+        match self.0.last() {
+            Some((last, _)) if slot <= *last => self.0.binary_search_by_key(&slot, |(s, _)| *s),
+            _ => Err(self.0.len()),
+        }
+    }
+
+    fn get(&self, slot: usize) -> Option<Slot<T>> {
+        self.find(slot).ok().map(|i| self.0[i].1)
+    }
+
+    /// What the slot holds, which is `content` if it was free.
+    fn get_or(&mut self, slot: usize, content: Slot<T>) -> Slot<T> {
+        match self.find(slot) {
+            Ok(i) => self.0[i].1,
+            Err(i) => {
+                self.0.insert(i, (slot as u16, content));
+                content
+            }
+        }
+    }
+
+    /// Fills a slot that is free.
+    fn fill(&mut self, slot: usize, content: Slot<T>) -> Option<()> {
+        let place = self.find(slot).err()?;
+        self.0.insert(place, (slot as u16, content));
+        Some(())
+    }
+
+    fn children(&self) -> impl Iterator<Item = u32> + '_ {
+        self.0.iter().filter_map(|(_, content)| match content {
+            Slot::Child(child) => Some(*child),
+            Slot::Tile(_) => None,
+        })
+    }
+}
+
+/// No slots.
+impl<T> Default for Slots<T> {
+    fn default() -> Self {
+        Self(Vec::new())
+    }
+}
 
 /// A sparse grid in the making.
 ///
@@ -48,7 +97,9 @@ type Upper<T> = BTreeMap<usize, Slot<T, Lower<T>>>;
 #[derive(Clone, Debug)]
 pub struct SparseBuilder<T = f32> {
     background: T,
-    roots: BTreeMap<[i32; 3], Slot<T, Upper<T>>>,
+    roots: BTreeMap<[i32; 3], Slot<T>>,
+    uppers: Vec<Slots<T>>,
+    lowers: Vec<Slots<T>>,
     leaves: Leaves<T>,
 }
 
@@ -58,15 +109,17 @@ impl<T: Spectrum> SparseBuilder<T> {
         Self {
             background,
             roots: BTreeMap::new(),
-            leaves: Leaves::new(Precision::default()),
+            uppers: Vec::new(),
+            lowers: Vec::new(),
+            leaves: Leaves::default(),
         }
     }
 
-    /// Chooses how voxels are kept; before any is added.
+    /// Chooses how voxels are kept, those too that have been added.
     #[must_use]
-    pub fn with_precision(self, precision: Precision) -> Self {
-        let leaves = Leaves::new(precision);
-        Self { leaves, ..self }
+    pub fn with_precision(mut self, precision: Precision) -> Self {
+        self.leaves.set_precision(precision);
+        self
     }
 
     /// Adds the 8³ voxels from `origin` on, whose coordinates are multiples of 8. Voxel (x, y, z)
@@ -120,14 +173,14 @@ impl<T: Spectrum> SparseBuilder<T> {
 
     fn leaf_at(&self, origin: IVec3) -> Option<u32> {
         let root = (origin & !(EDGES[2] - 1)).to_array();
-        let Slot::Child(upper) = self.roots.get(&root)? else {
+        let Slot::Child(upper) = *self.roots.get(&root)? else {
             return None;
         };
-        let Slot::Child(lower) = upper.get(&upper_slot(origin))? else {
+        let Slot::Child(lower) = self.uppers[upper as usize].get(upper_slot(origin))? else {
             return None;
         };
-        match lower.get(&lower_slot(origin))? {
-            Slot::Child(leaf) => Some(*leaf),
+        match self.lowers[lower as usize].get(lower_slot(origin))? {
+            Slot::Child(leaf) => Some(leaf),
             Slot::Tile(_) => None,
         }
     }
@@ -136,112 +189,117 @@ impl<T: Spectrum> SparseBuilder<T> {
         &mut self,
         origin: IVec3,
         size: TileSize,
-        content: Slot<T, u32>,
+        content: Slot<T>,
     ) -> Result<(), MediumError> {
         let edge = EDGES[size as usize];
-        let bad = MediumError::Block {
+        let is_aligned = origin & (edge - 1) == IVec3::ZERO
+            && origin.checked_add(IVec3::splat(edge - 1)).is_some();
+        let placed = if is_aligned {
+            self.fill(origin, size, content)
+        } else {
+            None
+        };
+        placed.ok_or(MediumError::Block {
             origin: origin.to_array(),
             edge,
-        };
-        if origin & (edge - 1) != IVec3::ZERO
-            || origin.checked_add(IVec3::splat(edge - 1)).is_none()
-        {
-            return Err(bad);
-        }
+        })
+    }
+
+    /// Fills the slot of a place if it is free, making the nodes above.
+    fn fill(&mut self, origin: IVec3, size: TileSize, content: Slot<T>) -> Option<()> {
         let root = self.roots.entry((origin & !(EDGES[2] - 1)).to_array());
-        if let (TileSize::Upper, Slot::Tile(tile)) = (size, &content) {
-            return vacant(root, Slot::Tile(*tile)).ok_or(bad);
+        if size == TileSize::Upper {
+            return match root {
+                Entry::Vacant(root) => {
+                    root.insert(content);
+                    Some(())
+                }
+                Entry::Occupied(_) => None,
+            };
         }
-        let Slot::Child(upper) = root.or_insert(Slot::Child(BTreeMap::new())) else {
-            return Err(bad);
-        };
-        let slot = upper.entry(upper_slot(origin));
-        if let (TileSize::Lower, Slot::Tile(tile)) = (size, &content) {
-            return vacant(slot, Slot::Tile(*tile)).ok_or(bad);
+        let new = Slot::Child(self.uppers.len() as u32);
+        let upper = child(&mut self.uppers, *root.or_insert(new))?;
+        if size == TileSize::Lower {
+            return upper.fill(upper_slot(origin), content);
         }
-        let Slot::Child(lower) = slot.or_insert(Slot::Child(BTreeMap::new())) else {
-            return Err(bad);
-        };
-        vacant(lower.entry(lower_slot(origin)), content).ok_or(bad)
+        let new = Slot::Child(self.lowers.len() as u32);
+        let lower = upper.get_or(upper_slot(origin), new);
+        child(&mut self.lowers, lower)?.fill(lower_slot(origin), content)
     }
 
     /// The grid, whose voxel (i, j, k) has its centre at `to_world`·(i, j, k).
     ///
     /// # Errors
     /// [`MediumError::Transform`] if `to_world` has no inverse.
-    pub fn build(self, to_world: DAffine3) -> Result<SparseGrid<T>, MediumError> {
-        let Self {
-            background,
-            roots,
-            mut leaves,
-        } = self;
-        let mut order = Vec::with_capacity(leaves.len());
+    pub fn build(mut self, to_world: DAffine3) -> Result<SparseGrid<T>, MediumError> {
+        let background = self.leaves.rounded(self.background);
+        let settled = |tile: Tile<T>| match tile.value == self.background {
+            true => Tile {
+                value: background,
+                ..tile
+            },
+            false => tile,
+        };
+        let mut order = Vec::with_capacity(self.leaves.len());
         let (mut uppers, mut lowers, mut tops) = (Vec::new(), Vec::new(), Vec::new());
-        for (origin, root) in roots {
+        for (origin, root) in self.roots {
             let root = match root {
-                Slot::Tile(tile) => Root::Tile(tile),
+                Slot::Tile(tile) => Root::Tile(settled(tile)),
                 Slot::Child(upper) => {
+                    let upper = std::mem::take(&mut self.uppers[upper as usize]);
                     let first = lowers.len() as u32;
-                    for lower in upper.values() {
-                        if let Slot::Child(lower) = lower {
-                            lowers.push(node(lower, order.len() as u32, background));
-                            order.extend(children(lower));
-                        }
+                    for lower in upper.children() {
+                        let lower = std::mem::take(&mut self.lowers[lower as usize]);
+                        lowers.push(node(&lower, order.len() as u32, settled));
+                        order.extend(lower.children());
                     }
-                    uppers.push(node(&upper, first, background));
+                    uppers.push(node(&upper, first, settled));
                     Root::Node(uppers.len() as u32 - 1)
                 }
             };
             tops.push((IVec3::from(origin), root));
         }
         if !order.is_sorted() {
-            leaves.reorder(&order);
+            self.leaves.reorder(&order);
         }
+        self.leaves.shrink();
         let mut tree = Tree {
             background,
             roots: tops,
             uppers,
             lowers,
-            leaves,
+            leaves: self.leaves,
         };
         tree.set_ranges();
         SparseGrid::of(tree, to_world)
     }
 }
 
-/// Fills a slot that is free.
-fn vacant<K: Ord, V>(slot: Entry<'_, K, V>, content: V) -> Option<()> {
-    match slot {
-        Entry::Vacant(slot) => {
-            slot.insert(content);
-            Some(())
-        }
-        Entry::Occupied(_) => None,
-    }
-}
-
-fn children<T>(lower: &Lower<T>) -> impl Iterator<Item = u32> + '_ {
-    lower.values().filter_map(|slot| match slot {
-        Slot::Child(leaf) => Some(*leaf),
-        Slot::Tile(_) => None,
-    })
-}
-
-/// A node without its range.
-fn node<T: Spectrum, C, const W: usize>(
-    slots: &BTreeMap<usize, Slot<T, C>>,
-    first_child: u32,
-    background: T,
-) -> Node<T, W> {
-    let is_child = |slot: &Slot<T, C>| matches!(slot, Slot::Child(_));
-    let of = |child| {
-        let slots = slots
-            .iter()
-            .filter(move |(_, slot)| is_child(slot) == child);
-        Mask::of(slots.map(|(&i, _)| i))
+/// The node that a slot holds, which is new if it has the number after the last.
+fn child<T>(nodes: &mut Vec<Slots<T>>, slot: Slot<T>) -> Option<&mut Slots<T>> {
+    let Slot::Child(i) = slot else {
+        return None;
     };
-    let tiles = slots.values().filter_map(|slot| match slot {
-        Slot::Tile(tile) => Some(*tile),
+    if i as usize == nodes.len() {
+        nodes.push(Slots::default());
+    }
+    nodes.get_mut(i as usize)
+}
+
+/// A node, its tiles `settled`, its range still to be set.
+fn node<T: Spectrum, const W: usize>(
+    slots: &Slots<T>,
+    first_child: u32,
+    settled: impl Fn(Tile<T>) -> Tile<T>,
+) -> Node<T, W> {
+    let of = |child: bool| {
+        let is_child = |content: &Slot<T>| matches!(content, Slot::Child(_));
+        let slots = slots.0.iter();
+        let slots = slots.filter(|(_, content)| is_child(content) == child);
+        Mask::of(slots.map(|(slot, _)| usize::from(*slot)))
+    };
+    let tiles = slots.0.iter().filter_map(|(_, content)| match content {
+        Slot::Tile(tile) => Some(settled(*tile)),
         Slot::Child(_) => None,
     });
     Node {
@@ -249,6 +307,6 @@ fn node<T: Spectrum, C, const W: usize>(
         first_child,
         tiled: of(false),
         tiles: tiles.collect(),
-        range: Range::of(background),
+        range: Range::of(T::default()),
     }
 }

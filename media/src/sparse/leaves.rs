@@ -13,7 +13,9 @@ pub enum Precision {
     /// 4 bytes a channel.
     #[default]
     Single,
-    /// 2 bytes a channel: 11 bits of mantissa, values to 65504.
+    /// 2 bytes a channel: 11 bits of mantissa, rounded to multiples of 6e-8 below 6e-5 and to 0 below
+    /// 3e-8. The background is rounded too, tiles are not. Halves end at 65504: a grid with a
+    /// finite voxel or background beyond is kept in [`Precision::Single`], as a whole.
     Half,
 }
 
@@ -24,6 +26,18 @@ enum Values<T> {
     Half(Vec<f16>),
 }
 
+/// Whether halves do not make it infinite.
+fn fits<T: Spectrum>(value: T) -> bool {
+    (0..T::CHANNELS).all(|c| {
+        let x = value.channel(c);
+        !x.is_finite() || f16::from_f32(x).is_finite()
+    })
+}
+
+fn halves<T: Spectrum>(value: T) -> impl Iterator<Item = f16> {
+    (0..T::CHANNELS).map(move |c| f16::from_f32(value.channel(c)))
+}
+
 /// Leaves of 8³ voxels, one after the other.
 #[derive(Clone, Debug)]
 pub(super) struct Leaves<T> {
@@ -32,18 +46,18 @@ pub(super) struct Leaves<T> {
     ranges: Vec<Range<T>>,
 }
 
-impl<T: Spectrum> Leaves<T> {
-    pub(super) fn new(precision: Precision) -> Self {
+/// None, in single precision.
+impl<T> Default for Leaves<T> {
+    fn default() -> Self {
         Self {
-            values: match precision {
-                Precision::Single => Values::Single(Vec::new()),
-                Precision::Half => Values::Half(Vec::new()),
-            },
+            values: Values::Single(Vec::new()),
             active: Vec::new(),
             ranges: Vec::new(),
         }
     }
+}
 
+impl<T: Spectrum> Leaves<T> {
     pub(super) fn len(&self) -> usize {
         self.active.len()
     }
@@ -55,17 +69,57 @@ impl<T: Spectrum> Leaves<T> {
         }
     }
 
-    /// Adds a leaf; its values are those that are read back.
+    /// Keeps all values in this precision, if it can hold them.
+    pub(super) fn set_precision(&mut self, precision: Precision) {
+        let leaves = 0..self.len() as u32;
+        self.values = match (precision, &self.values) {
+            (Precision::Half, Values::Single(all)) if all.iter().all(|&value| fits(value)) => {
+                Values::Half(all.iter().copied().flat_map(halves).collect())
+            }
+            (Precision::Single, Values::Half(_)) => Values::Single(
+                (leaves.flat_map(|leaf| (0..VOXELS).map(move |slot| (leaf, slot))))
+                    .map(|(leaf, slot)| self.value(leaf, slot))
+                    .collect(),
+            ),
+            _ => return,
+        };
+    }
+
+    /// Makes sure that a value is held without becoming infinite.
+    fn widen_for(&mut self, value: T) {
+        if self.precision() == Precision::Half && !fits(value) {
+            self.set_precision(Precision::Single);
+        }
+    }
+
+    /// What becomes of a value in a leaf.
+    pub(super) fn rounded(&mut self, value: T) -> T {
+        self.widen_for(value);
+        match self.precision() {
+            Precision::Single => value,
+            Precision::Half => value.map(|x| f16::from_f32(x).to_f32()),
+        }
+    }
+
+    /// Adds a leaf.
     pub(super) fn push(&mut self, values: &[T; VOXELS], active: [u64; 8]) {
+        if self.precision() == Precision::Half && !values.iter().all(|&value| fits(value)) {
+            self.set_precision(Precision::Single);
+        }
         match &mut self.values {
             Values::Single(all) => all.extend_from_slice(values),
-            Values::Half(all) => all.extend(
-                values
-                    .iter()
-                    .flat_map(|value| (0..T::CHANNELS).map(|c| f16::from_f32(value.channel(c)))),
-            ),
+            Values::Half(all) => all.extend(values.iter().copied().flat_map(halves)),
         }
         self.active.push(active);
+    }
+
+    /// Gives back room for leaves that did not come.
+    pub(super) fn shrink(&mut self) {
+        match &mut self.values {
+            Values::Single(all) => all.shrink_to_fit(),
+            Values::Half(all) => all.shrink_to_fit(),
+        }
+        self.active.shrink_to_fit();
     }
 
     pub(super) fn set_ranges(&mut self) {
@@ -97,12 +151,13 @@ impl<T: Spectrum> Leaves<T> {
 
     /// Overwrites a voxel and makes it active.
     pub(super) fn set(&mut self, leaf: u32, slot: usize, value: T) {
+        self.widen_for(value);
         let i = leaf as usize * VOXELS + slot;
         match &mut self.values {
             Values::Single(all) => all[i] = value,
             Values::Half(all) => {
-                for c in 0..T::CHANNELS {
-                    all[i * T::CHANNELS + c] = f16::from_f32(value.channel(c));
+                for (c, half) in halves(value).enumerate() {
+                    all[i * T::CHANNELS + c] = half;
                 }
             }
         }

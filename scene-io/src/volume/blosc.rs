@@ -145,9 +145,9 @@ fn unpack(mut stream: &[u8], out: &mut [u8], splits: usize) -> Option<()> {
 fn unshuffle(shuffled: &[u8], element: usize, out: &mut [u8]) {
     let count = shuffled.len() / element;
     let whole = count * element;
-    for (i, bytes) in out[..whole].chunks_exact_mut(element).enumerate() {
-        for (j, byte) in bytes.iter_mut().enumerate() {
-            *byte = shuffled[j * count + i];
+    for (place, plane) in shuffled[..whole].chunks_exact(count.max(1)).enumerate() {
+        for (bytes, byte) in out.chunks_exact_mut(element).zip(plane) {
+            bytes[place] = *byte;
         }
     }
     out[whole..].copy_from_slice(&shuffled[whole..]);

@@ -7,7 +7,6 @@
 //! Source: Museth 2021, "NanoVDB: A GPU-Friendly and Portable VDB Data Structure for Real-Time
 //! Rendering and Simulation"; the documentation of NanoVDB 32.
 
-mod bytes;
 mod codec;
 mod file;
 mod grid;
@@ -16,6 +15,7 @@ mod summary;
 mod tree;
 mod write;
 
+use super::message::in_grid;
 use super::{VolumeGrid, Voxels, Wanted};
 pub(super) use write::write;
 
@@ -29,6 +29,7 @@ const MAJOR: u32 = 32;
 
 /// How the grids of a NanoVDB file are packed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum NanoCodec {
     /// Not at all: for a reader that maps the file into memory.
     None,
@@ -53,7 +54,7 @@ pub(super) fn read(bytes: &[u8], wanted: &Wanted<'_>) -> Result<Vec<VolumeGrid>,
         };
         if wanted(&found) {
             let voxels = grid::voxels(&entry);
-            found.voxels = voxels.map_err(|problem| format!("grid `{}`: {problem}", entry.name))?;
+            found.voxels = voxels.map_err(|problem| in_grid(entry.name.as_bytes(), problem))?;
         }
         Ok(found)
     };

@@ -65,11 +65,11 @@ fn types_without_use_are_named() {
 #[test]
 fn other_versions_and_codecs_are_named() {
     let (file, buffer) = small();
-    for major in [31_u32, 33] {
+    for (major, mend) in [(31_u32, "export it again"), (33, "newer")] {
         let version = (major << 21).to_le_bytes();
         fails(
             &patched(&file, 8, &version),
-            &[&format!("NanoVDB {major}.0"), "export it again"],
+            &[&format!("NanoVDB {major}.0"), mend],
         );
         let inner = patched(&file, buffer + 16, &version);
         fails(&inner, &["grid `smoke`", &format!("NanoVDB {major}.0")]);
@@ -158,6 +158,108 @@ fn shared_nodes_are_refused() {
     fails(&shared, &["grid `smoke`", "overlap"]);
     share(&mut shared, upper, 32_768, 8256);
     fails(&shared, &["grid `smoke`", "overlap"]);
+}
+
+/// Two lower nodes that share bytes, and one that is not where nodes may begin.
+#[test]
+fn overlapping_nodes_are_refused() {
+    let (file, start) = small();
+    let upper = start + TREE + u64_at(&file, start + TREE + 16) as usize;
+    let masks = upper + 32 + 4096;
+    let table = upper + 8256;
+    // Of the voxel (0, 0, 0).
+    assert_eq!(file[masks] & 3, 1);
+    let first = u64_at(&file, table);
+    for (off, says) in [
+        (0, "overlap"),
+        (32, "overlap"),
+        (-32, "overlap"),
+        (8, "multiple of 32"),
+    ] {
+        let offset = first.checked_add_signed(off).unwrap().to_le_bytes();
+        let second = patched(&patched(&file, masks, &[3]), table + 8, &offset);
+        // Room for a node that reaches further.
+        let mut second = [second, vec![0; 32]].concat();
+        for at in [HEADER, HEADER + 8, start + 32] {
+            let size = (u64_at(&file, at) + 32).to_le_bytes();
+            second[at..at + 8].copy_from_slice(&size);
+        }
+        fails(&second, &["grid `smoke`", says]);
+    }
+}
+
+/// What files call grids stays one short line.
+#[test]
+fn names_are_shown_plainly() {
+    let name = format!("\x1b[31mred\n{}", "x".repeat(200));
+    let file = write(&[scalar(&name, one_voxel())], NanoCodec::None);
+    let start = buffer_start(&file);
+    let segment = patched(&file, start + 16, &[0; 4]);
+    let cut = file[..file.len() - 1].to_vec();
+    let bare = file[start..file.len() - 1].to_vec();
+    for file in [segment, cut, bare] {
+        let problem = read(&file).unwrap_err();
+        let line = "grid `\u{fffd}[31mred\u{fffd}xxx";
+        assert!(problem.starts_with(line), "{problem}");
+        let plain = !problem.contains(char::is_control) && problem.len() < 300;
+        assert!(plain, "{problem}");
+    }
+}
+
+/// Of a segment of several grids: all descriptions, then all buffers.
+fn spliced(files: [&[u8]; 2]) -> Vec<u8> {
+    let [(a, b), (c, d)] = files.map(|file| file[HEADER..].split_at(buffer_start(file) - HEADER));
+    let mut all = [&files[0][..HEADER], a, c, b, d].concat();
+    all[12] = 2;
+    all
+}
+
+#[test]
+fn segments_hold_several_grids() {
+    for codec in [NanoCodec::None, NanoCodec::Zip] {
+        let grids = [random::<f32>(3, 4), random::<f32>(4, 2)];
+        let names = ["a longer name", "b"];
+        let files = [0, 1].map(|i| write(&[scalar(names[i], grids[i].clone())], codec));
+        let file = spliced([&files[0], &files[1]]);
+        let back = read(&[file.clone(), file].concat()).unwrap();
+        assert_eq!(back.len(), 4);
+        for (i, back) in back.iter().enumerate() {
+            assert_eq!(back.name, names[i % 2]);
+            assert_eq!(content(as_scalar(back)), content(&grids[i % 2]));
+        }
+    }
+}
+
+/// Blind data lie behind the nodes of a grid, and are its last bytes.
+#[test]
+fn blind_data_are_passed_over() {
+    let grids = [random::<f32>(5, 3), random::<f32>(6, 3)];
+    let files = [0, 1].map(|i| write(&[scalar("a", grids[i].clone())], NanoCodec::None));
+    let blind = files.each_ref().map(|file| {
+        let start = buffer_start(file);
+        let buffer = &file[start..];
+        let mut with = [buffer, &[0xab; 320]].concat();
+        let length = with.len() as u64;
+        let metadata = buffer.len() as u64;
+        with[32..40].copy_from_slice(&length.to_le_bytes());
+        with[640..648].copy_from_slice(&metadata.to_le_bytes());
+        with[648..652].copy_from_slice(&1_u32.to_le_bytes());
+        let mut file = restored(file, &with, 0);
+        file[HEADER..HEADER + 8].copy_from_slice(&length.to_le_bytes());
+        file
+    });
+    let bare = blind.each_ref().map(|file| &file[buffer_start(file)..]);
+    for file in [
+        blind.concat(),
+        spliced([&blind[0], &blind[1]]),
+        bare.concat(),
+    ] {
+        let back = read(&file).unwrap();
+        assert_eq!(back.len(), 2);
+        for (back, grid) in back.iter().zip(&grids) {
+            assert_eq!(content(as_scalar(back)), content(grid));
+        }
+    }
 }
 
 /// As versions from 32.6 on write them.

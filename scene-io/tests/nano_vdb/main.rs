@@ -2,6 +2,7 @@
 
 mod broken;
 mod mutations;
+mod nodes;
 mod others;
 mod packed;
 mod round_trip;

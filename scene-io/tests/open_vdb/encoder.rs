@@ -114,7 +114,7 @@ impl Grid {
         }
     }
 
-    /// Tiles of 4096³, 128³ and 8³ voxels, and a leaf.
+    /// Tiles of 4096³, 128³ and 8³ voxels, a leaf of which nothing is active, and one.
     fn tree(&self, out: &mut Vec<u8>) {
         out.extend(1_u32.to_le_bytes());
         self.value(BACKGROUND, self.number, out);
@@ -123,9 +123,9 @@ impl Grid {
         self.value(0.25, self.number, out);
         out.push(1);
         out.extend([0; 12]);
-        for (slots, tile) in [(32_usize.pow(3), 0.5), (16_usize.pow(3), 0.75)] {
-            // A child in the first slot, the tile in the second.
-            for word in [1, 2] {
+        for (slots, children, tile) in [(32_usize.pow(3), 1, 0.5), (16_usize.pow(3), 5, 0.75)] {
+            // A child in the first slot, the tile in the second, of lower nodes a child in the third.
+            for word in [children, 2] {
                 let mut mask = vec![0; slots / 8];
                 mask[0] = word;
                 out.extend(mask);
@@ -135,7 +135,9 @@ impl Grid {
             self.values(&values, |slot| slot == 1, 0, out);
         }
         let mask = [0x55; 64];
-        out.extend(mask);
+        let off = [0; 64];
+        out.extend([off, mask, off].as_flattened());
+        self.values(&[BACKGROUND; 512], |_| false, 0, out);
         out.extend(mask);
         let values: Vec<_> = (0..512).map(|slot| voxel(slot, self.code)).collect();
         self.values(&values, |slot| slot % 2 == 0, self.code, out);
@@ -157,7 +159,8 @@ impl Grid {
             out.extend((0..values.len() / 8).map(|i| byte(8 * i)));
         }
         let all = self.flags & ACTIVE_MASK == 0 || code == 6;
-        let half = self.kind.ends_with("_HalfFloat");
+        // OpenVDB writes halves that are saved as halves as if they were not.
+        let half = self.kind.ends_with("_HalfFloat") && self.number != Number::Half;
         let number = if half { Number::Half } else { self.number };
         let mut bytes = Vec::new();
         for (slot, value) in values.iter().enumerate() {
@@ -165,7 +168,10 @@ impl Grid {
                 self.value(*value, number, &mut bytes);
             }
         }
-        self.block(&bytes, out);
+        // Of none, halves have no block.
+        if !(half && bytes.is_empty()) {
+            self.block(&bytes, out);
+        }
     }
 
     /// Channels are value, value + 1, …

@@ -29,7 +29,8 @@ fn check<T: Spectrum>(grid: &SparseGrid<T>, code: u8, masked: bool) {
             // Minus the background is so in every channel.
             expected = value(BACKGROUND).map(|x| -x);
         }
-        assert_eq!(grid.voxel(IVec3::new(x, y, z)), expected, "slot {slot}");
+        let at = IVec3::new(x, y, 16 + z);
+        assert_eq!(grid.voxel(at), expected, "slot {slot}");
     }
     assert_eq!(grid.voxel(IVec3::new(7, 7, 15)), value(0.75));
     assert_eq!(grid.voxel(IVec3::new(127, 0, 255)), value(0.5));
@@ -46,6 +47,7 @@ fn all_formats_are_read() {
         ("Tree_float_5_4_3", Number::Single, 1),
         ("Tree_float_5_4_3_HalfFloat", Number::Single, 1),
         ("Tree_half_5_4_3", Number::Half, 1),
+        ("Tree_half_5_4_3_HalfFloat", Number::Half, 1),
         ("Tree_double_5_4_3", Number::Double, 1),
         ("Tree_double_5_4_3_HalfFloat", Number::Double, 1),
         ("Tree_vec3s_5_4_3", Number::Single, 3),
@@ -84,7 +86,7 @@ fn all_formats_are_read() {
                         assert_eq!(voxels.precision() == Precision::Half, half);
                     }
                     Voxels::Vector(voxels) => check(voxels, code, masked),
-                    Voxels::Unread => panic!("{file:?}"),
+                    _ => panic!("{file:?}"),
                 }
             }
         }
@@ -139,8 +141,8 @@ fn what_is_not_read_is_named() {
         (("NonlinearFrustumMap", vec![0.0; 40]), "resample"),
         (("WarpMap", vec![]), "`WarpMap`"),
         (("AffineMap", projective), "not affine"),
-        (("ScaleMap", vec![0.0; 15]), "transform of no use"),
-        (("ScaleMap", vec![f64::NAN; 15]), "transform of no use"),
+        (("ScaleMap", vec![0.0; 15]), "no inverse"),
+        (("ScaleMap", vec![f64::NAN; 15]), "no inverse"),
     ] {
         let why = error(Grid {
             map,
@@ -237,15 +239,94 @@ fn grids_share_trees() {
             .err()
             .unwrap_or_default();
         assert!(
-            why.contains("grid `a` shares") && why.contains(parent),
+            why.contains("grid `a`: it shares") && why.contains(parent),
             "{why}"
         );
     }
-    // A small file cannot stand for any number of grids.
+    // They hold one tree, which is read once.
     let mut many = vec![shared("a", "density", 0.0); 2000];
     many.push(Grid::default());
-    let why = read_bytes(&File::of(many).bytes())
-        .err()
-        .unwrap_or_default();
-    assert!(why.contains("export fewer"), "{why}");
+    let grids = read_bytes(&File::of(many).bytes()).unwrap();
+    assert_eq!(grids.len(), 2001);
+    let Voxels::Scalar(last) = &grids[1999].voxels else {
+        panic!()
+    };
+    check(last, 0, true);
+}
+
+/// Of a file that does not say where grids end, one that is not read hides those behind it.
+#[test]
+fn streams_are_read_as_far_as_they_can_be() {
+    let mask = Grid {
+        name: "mask",
+        kind: "Tree_bool_5_4_3",
+        ..Grid::default()
+    };
+    let stream = |grids| File {
+        offsets: false,
+        ..File::of(grids)
+    };
+    let read = |file: &File, wanted: &dyn Fn(&str) -> bool| {
+        let path = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(path.path(), file.bytes()).unwrap();
+        read_volume(path.path(), wanted).map_err(|e| e.to_string())
+    };
+    let last = stream(vec![Grid::default(), mask.clone()]);
+    let grids = read(&last, &|name| name == "density").unwrap();
+    let Voxels::Scalar(density) = &grids[0].voxels else {
+        panic!()
+    };
+    check(density, 0, true);
+    assert_eq!((grids.len(), grids[1].name.as_str()), (2, "mask"));
+    assert!(grids[1].unsupported.is_some());
+    let why = read(&last, &|_| true).unwrap_err();
+    assert!(why.contains("grid `mask`: it is of type `bool`"), "{why}");
+    let first = stream(vec![mask, Grid::default()]);
+    let why = read(&first, &|name| name == "density").unwrap_err();
+    assert!(
+        why.contains("grid `mask`") && why.contains("with offsets") && why.contains("hides 1"),
+        "{why}"
+    );
+}
+
+/// OpenVDB takes the mask that is written with the voxels of a leaf.
+#[test]
+fn the_second_mask_of_a_leaf_counts() {
+    let mut file = File::of(vec![Grid::default()]).bytes();
+    let mask = [0x55; 64];
+    let first = file.windows(64).position(|bytes| bytes == mask).unwrap();
+    file[first..first + 64].fill(0xff);
+    let grids = read_bytes(&file).unwrap();
+    let Voxels::Scalar(voxels) = &grids[0].voxels else {
+        panic!()
+    };
+    check(voxels, 0, true);
+}
+
+/// Background beyond halves, or between them: the grid is kept in single precision, to the bit.
+#[test]
+fn precision_is_that_of_the_file_where_it_loses_nothing() {
+    let precision = |kind| {
+        let file = File::of(vec![Grid {
+            kind,
+            ..Grid::default()
+        }]);
+        let mut bytes = file.bytes();
+        let [before, after] = [1.5_f32, 0.1].map(f32::to_le_bytes);
+        let at = bytes.windows(4).position(|word| word == before).unwrap();
+        let exact = read_bytes(&bytes).unwrap();
+        bytes[at..at + 4].copy_from_slice(&after);
+        let odd = read_bytes(&bytes).unwrap();
+        [exact, odd].map(|grids| match &grids[0].voxels {
+            Voxels::Scalar(voxels) => (voxels.precision(), voxels.background()),
+            _ => panic!(),
+        })
+    };
+    let (half, single) = (Precision::Half, Precision::Single);
+    let expected = [(half, 1.5), (single, 0.1)];
+    assert_eq!(precision("Tree_float_5_4_3_HalfFloat"), expected);
+    assert_eq!(
+        precision("Tree_float_5_4_3"),
+        [(single, 1.5), (single, 0.1)]
+    );
 }

@@ -10,9 +10,13 @@ mod written;
 use std::path::Path;
 use tyndall_scene_io::{VolumeGrid, read_volume};
 
-/// All grids of a file.
+/// All grids of a file, or what is wrong with it.
 fn read(path: &Path) -> Result<Vec<VolumeGrid>, String> {
-    read_volume(path, |_| true).map_err(|e| e.to_string())
+    read_volume(path, |_| true).map_err(|e| {
+        let (message, file) = (e.to_string(), format!("{}: ", path.display()));
+        let problem = message.strip_prefix(&file);
+        problem.expect("the message names the file").to_owned()
+    })
 }
 
 /// All grids of a file with these bytes.

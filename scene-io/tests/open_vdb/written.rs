@@ -2,7 +2,7 @@
 
 use crate::encoder::{File, Grid};
 use crate::peer::{compare, described};
-use crate::{read, read_bytes};
+use crate::read;
 use glam::{DAffine3, DMat3, DVec3, IVec3};
 use tyndall_core::{Rgb, Sampler, Spectrum};
 use tyndall_media::{Piece, Precision, SparseBuilder, SparseGrid, TileSize};
@@ -170,7 +170,9 @@ fn bytes_are_those_of_the_format() {
     write_open_vdb(&path, &[grid]).unwrap();
     let bytes = std::fs::read(&path).unwrap();
     let mut expected = b"\x20BDV\0\0\0\0\xe0\0\0\0\x05\0\0\0\0\0\0\0\x01".to_vec();
-    expected.extend(b"00000000-0000-0000-0000-000000000000\x01\0\0\0");
+    let uuid = bytes[expected.len()..][..36].to_vec();
+    expected.extend(&uuid);
+    expected.extend(1_u32.to_le_bytes());
     for text in ["creator", "string", "tyndall"] {
         crate::encoder::string(text.as_bytes(), &mut expected);
     }
@@ -179,6 +181,10 @@ fn bytes_are_those_of_the_format() {
         crate::encoder::string(text.as_bytes(), &mut expected);
     }
     assert!(bytes.starts_with(&expected));
+    for (i, digit) in uuid.iter().enumerate() {
+        let dash = [8, 13, 18, 23].contains(&i);
+        assert_eq!((*digit == b'-', digit.is_ascii_hexdigit()), (dash, !dash));
+    }
     let offsets: Vec<_> = bytes[expected.len()..][..24].as_chunks().0.to_vec();
     let [start, blocks, end] = [0, 1, 2].map(|i| u64::from_le_bytes(offsets[i]) as usize);
     assert_eq!((start, end), (expected.len() + 24, bytes.len()));
@@ -199,10 +205,20 @@ fn grids_without_voxels_are_not_written() {
     let why = write_open_vdb(&out, &grids).unwrap_err().to_string();
     assert!(why.contains("b.vdb") && why.contains("`density`"), "{why}");
     assert_eq!(std::fs::read(&out).unwrap(), b"before");
-    write_open_vdb(&out, &[]).unwrap();
-    assert!(
-        read_bytes(&std::fs::read(&out).unwrap())
-            .unwrap()
-            .is_empty()
-    );
+}
+
+/// Programs that have read a file tell by its name whether it is another.
+#[test]
+fn other_grids_are_other_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let name = |background: f32| {
+        let path = folder.path().join("a.vdb");
+        let grid = SparseBuilder::new(background).build(DAffine3::IDENTITY);
+        let voxels = Voxels::Scalar(grid.unwrap());
+        let grid = VolumeGrid::new("n", GridClass::FogVolume, voxels);
+        write_open_vdb(&path, &[grid]).unwrap();
+        std::fs::read(&path).unwrap()[21..57].to_vec()
+    };
+    assert_eq!(name(0.5), name(0.5));
+    assert_ne!(name(0.5), name(0.25));
 }

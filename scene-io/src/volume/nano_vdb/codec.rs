@@ -1,7 +1,7 @@
 //! Unpacks and packs the buffers of grids.
 
-use super::bytes::Bytes;
 use crate::volume::blosc;
+use crate::volume::bytes::Bytes;
 use flate2::Compression;
 use flate2::read::{ZlibDecoder, ZlibEncoder};
 use std::borrow::Cow;

@@ -1,8 +1,9 @@
 //! What lies in a file: segments of grids, or grids alone.
 
-use super::bytes::Bytes;
 use super::layout::grid;
 use super::{GRID_MAGIC, MAGIC, MAJOR};
+use crate::volume::bytes::Bytes;
+use crate::volume::message::in_grid;
 
 /// Bytes at the head of a segment: magic, version, number of grids, codec.
 pub(super) const HEADER: usize = 16;
@@ -69,8 +70,13 @@ pub(super) fn check_version(version: u32) -> Result<(), String> {
     if major == MAJOR {
         return Ok(());
     }
+    let mend = if major < MAJOR {
+        "export it again with OpenVDB 9 or later"
+    } else {
+        "it is newer than what is read, write it as .vdb with its own tools"
+    };
     Err(format!(
-        "is of NanoVDB {major}.{minor}, not {MAJOR}: export it again with OpenVDB 9 or later"
+        "it is of NanoVDB {major}.{minor}, not {MAJOR}: {mend}"
     ))
 }
 
@@ -78,13 +84,15 @@ pub(super) fn check_version(version: u32) -> Result<(), String> {
 fn buffer<'a>(bytes: Bytes<'a>, at: usize, entries: &mut Vec<Entry<'a>>) -> Result<usize, String> {
     let header = Bytes(bytes.slice(at, grid::END)?);
     let size = header.size(grid::SIZE)?.max(grid::END);
+    let name = header.text(grid::NAME, grid::NAME_LENGTH)?;
+    let stored = bytes.slice(at, size);
     entries.push(Entry {
-        name: header.text(grid::NAME, grid::NAME_LENGTH)?,
         kind: header.u32(grid::TYPE)?,
         class: header.u32(grid::CLASS)?,
         size,
         codec: 0,
-        stored: bytes.slice(at, size)?,
+        stored: stored.map_err(|problem| in_grid(name.as_bytes(), problem))?,
+        name,
     });
     Ok(at + size)
 }
@@ -112,7 +120,7 @@ fn segment<'a>(bytes: Bytes<'a>, at: usize, entries: &mut Vec<Entry<'a>>) -> Res
     }
     for (mut entry, length) in described {
         let stored = bytes.slice(at, length);
-        entry.stored = stored.map_err(|problem| format!("grid `{}`: {problem}", entry.name))?;
+        entry.stored = stored.map_err(|problem| in_grid(entry.name.as_bytes(), problem))?;
         entries.push(entry);
         at += length;
     }

@@ -1,10 +1,10 @@
 //! The header of a grid.
 
-use super::bytes::Bytes;
 use super::codec::unpack;
 use super::file::{Entry, check_version};
 use super::layout::{Layout, grid, map, name};
 use super::{MAGIC, tree};
+use crate::volume::bytes::Bytes;
 use crate::volume::{GridClass, Voxels};
 use glam::{DAffine3, DMat3, DVec3};
 use tyndall_core::Spectrum;
@@ -23,9 +23,12 @@ pub(super) fn class(code: u32) -> GridClass {
     CLASSES.get(code as usize).copied().unwrap_or_default()
 }
 
-/// The number of a class.
-pub(super) fn class_code(class: GridClass) -> u32 {
-    let code = CLASSES.iter().position(|&c| c == class);
+/// The number of a class of grids whose values have so many channels. NanoVDB takes level sets and
+/// fog to be numbers, and what is staggered vectors; it refuses other pairs.
+pub(super) fn class_code(class: GridClass, channels: usize) -> u32 {
+    let is_vector = channels > 1;
+    let fits = |c: GridClass| c == class && is_vector == (c == GridClass::Staggered);
+    let code = CLASSES.iter().position(|&c| fits(c));
     code.unwrap_or(0) as u32
 }
 

@@ -4,6 +4,8 @@
 //! leaves. All but `TreeData` and the tiles may lie anywhere in a file that we read; each begins at
 //! a multiple of 32 bytes and offsets count from whoever holds them.
 
+use crate::volume::level::{LOWER, Level, UPPER, VOXELS};
+
 /// The header of a grid.
 pub(super) mod grid {
     pub(crate) const CHECKSUM: usize = 8;
@@ -69,12 +71,10 @@ pub(super) mod leaf {
     pub(crate) const CODES: usize = 96;
 }
 
-/// Voxels of a leaf.
-pub(super) const VOXELS: usize = 512;
-
-/// log₂ of the slots along an edge of a node, and of the voxels along an edge of a slot, for levels
-/// 1 (lower nodes) and 2 (upper nodes).
-pub(super) const LOG2: [[u32; 2]; 3] = [[3, 0], [4, 3], [5, 7]];
+/// The kind of the nodes of a level: 1 (lower nodes) or 2 (upper nodes).
+pub(super) fn kind_of(level: usize) -> Level {
+    [LOWER, UPPER][level - 1]
+}
 
 /// How the voxels of a leaf are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -203,7 +203,7 @@ impl Layout {
 
     /// Of a node of level 1 or 2.
     pub(super) fn node(self, level: usize) -> NodeLayout {
-        let slots = 1 << (3 * LOG2[level][0]);
+        let slots = kind_of(level).count();
         let child_mask = NodeLayout::VALUE_MASK + slots / 8;
         let statistics = child_mask + slots / 8;
         let table = (statistics + self.statistics()).next_multiple_of(32);

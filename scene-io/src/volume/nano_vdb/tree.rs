@@ -1,13 +1,16 @@
 //! Reads the nodes of a grid.
 
-use super::bytes::Bytes;
-use super::layout::{LOG2, Layout, Leaves, NodeLayout, ROOT_TILES, VOXELS, grid, leaf, tile, tree};
+use super::layout::{Layout, Leaves, NodeLayout, ROOT_TILES, grid, kind_of, leaf, tile, tree};
+use crate::volume::bytes::Bytes;
+use crate::volume::level::{LEAF_WORDS, ROOT_EDGE, VOXELS, misplaced};
 use glam::IVec3;
 use tyndall_core::Spectrum;
 use tyndall_media::{SparseBuilder, TileSize};
 
-/// Bits of a root key in each axis, and the voxels along the edge of what it names, as log₂.
-const KEY: (u32, u32) = (21, 12);
+/// Bits of a root key in each axis.
+const KEY_BITS: u32 = 21;
+/// Nodes begin at multiples of this and fill them.
+const ALIGNMENT: usize = 32;
 
 /// The tree of the grid in a buffer.
 pub(super) fn read<T: Spectrum>(
@@ -18,12 +21,11 @@ pub(super) fn read<T: Spectrum>(
     let offset = bytes.i64(grid::END + tree::OFFSETS + 3 * size_of::<i64>())?;
     let root = place(grid::END, offset)?;
     let background = value(bytes, root.saturating_add(layout.background()), layout)?;
-    let sizes = [layout.leaf(), layout.node(1).size, layout.node(2).size];
     let mut reader = Reader {
         bytes,
         layout,
         background,
-        left: sizes.map(|size| bytes.0.len() / size),
+        taken: vec![0; bytes.0.len().div_ceil(ALIGNMENT * 8)],
         builder: SparseBuilder::new(background),
     };
     reader.root(root)?;
@@ -34,13 +36,13 @@ struct Reader<'a, T> {
     bytes: Bytes<'a>,
     layout: Layout,
     background: T,
-    /// How many more leaves, lower and upper nodes the buffer has room for: children that share
-    /// nodes would be endless.
-    left: [usize; 3],
+    /// A bit for each 32 bytes of the buffer, set where a node lies: where nodes shared bytes, a small
+    /// file would stand for a huge grid.
+    taken: Vec<u8>,
     builder: SparseBuilder<T>,
 }
 
-impl<T: Spectrum> Reader<'_, T> {
+impl<'a, T: Spectrum> Reader<'a, T> {
     fn root(&mut self, at: usize) -> Result<(), String> {
         let count = self.bytes.u32(at + ROOT_TILES)?;
         let size = self.layout.tile();
@@ -69,8 +71,6 @@ impl<T: Spectrum> Reader<'_, T> {
         level: usize,
     ) -> Result<(), String> {
         let at = place(parent, offset)?;
-        let left = self.left[level].checked_sub(1);
-        self.left[level] = left.ok_or("its nodes overlap: the file is damaged, export it again")?;
         match level {
             0 => self.leaf(at, origin),
             _ => self.node(at, origin, level),
@@ -78,17 +78,16 @@ impl<T: Spectrum> Reader<'_, T> {
     }
 
     fn node(&mut self, at: usize, origin: IVec3, level: usize) -> Result<(), String> {
-        let layout = self.layout.node(level);
-        let node = Bytes(self.bytes.slice(at, layout.size)?);
-        let size = [TileSize::Leaf, TileSize::Lower][level - 1];
+        let (kind, layout) = (kind_of(level), self.layout.node(level));
+        let node = self.take(at, layout.size)?;
         let table = node.slice(layout.table, layout.stride * layout.slots)?;
         for (slot, content) in table.chunks_exact(layout.stride).enumerate() {
-            let here = origin + slot_origin(slot, level);
+            let here = origin + kind.origin(slot);
             if node.bit(layout.child_mask, slot)? {
                 self.child(at, Bytes(content).i64(0)?, here, level - 1)?;
             } else {
                 let active = node.bit(NodeLayout::VALUE_MASK, slot)?;
-                self.tile(here, size, decode(content, self.layout), active)?;
+                self.tile(here, kind.tile, decode(content, self.layout), active)?;
             }
         }
         Ok(())
@@ -104,39 +103,59 @@ impl<T: Spectrum> Reader<'_, T> {
         if !active && value == self.background {
             return Ok(());
         }
-        let placed = self.builder.tile(origin, size, value, active);
-        placed.map_err(|problem| format!("{problem}: the file is damaged, export it again"))
+        (self.builder.tile(origin, size, value, active)).map_err(misplaced)
+    }
+
+    /// The bytes of a node, which no other node has.
+    fn take(&mut self, at: usize, size: usize) -> Result<Bytes<'a>, String> {
+        let node = self.bytes.slice(at, size)?;
+        if !at.is_multiple_of(ALIGNMENT) {
+            return Err(format!(
+                "a node begins at byte {at} of its buffer, not at a multiple of {ALIGNMENT}: the file is damaged, export it again"
+            ));
+        }
+        for block in at / ALIGNMENT..(at + size) / ALIGNMENT {
+            let (byte, bit) = (&mut self.taken[block / 8], 1 << (block % 8));
+            if *byte & bit != 0 {
+                return Err("its nodes overlap: the file is damaged, export it again".into());
+            }
+            *byte |= bit;
+        }
+        Ok(Bytes(node))
     }
 
     fn leaf(&mut self, at: usize, origin: IVec3) -> Result<(), String> {
-        let node = Bytes(self.bytes.slice(at, self.layout.leaf())?);
-        let mut active = [0; 8];
+        // The width of codes is that of the type, or each leaf's own.
+        let log2 = match self.layout.leaves {
+            Leaves::Values => None,
+            Leaves::Codes(log2) => Some(log2),
+            Leaves::AnyCodes => {
+                let head = Bytes(self.bytes.slice(at, leaf::CODES)?);
+                Some(head.u8(leaf::FLAGS)? >> 5)
+            }
+        };
+        let codes = |log2| (VOXELS / 8) << log2;
+        let size = log2.map_or(self.layout.leaf(), |log2| leaf::CODES + codes(log2));
+        let node = self.take(at, size)?;
+        let mut active = [0; LEAF_WORDS];
         for (i, word) in active.iter_mut().enumerate() {
             *word = node.u64(leaf::MASK + size_of::<u64>() * i)?;
         }
         let mut values = [self.background; VOXELS];
-        let log2 = match self.layout.leaves {
-            Leaves::Values => {
-                let size = self.layout.value();
-                let all = node.slice(self.layout.leaf_values(), VOXELS * size)?;
-                for (voxel, bytes) in values.iter_mut().zip(all.chunks_exact(size)) {
-                    *voxel = decode(bytes, self.layout);
-                }
-                None
-            }
-            Leaves::Codes(log2) => Some(log2),
-            Leaves::AnyCodes => Some(node.u8(leaf::FLAGS)? >> 5),
-        };
         if let Some(log2) = log2 {
             let (minimum, quantum) = (node.f32(leaf::MINIMUM)?, node.f32(leaf::QUANTUM)?);
-            let bytes = (VOXELS / 8) << log2;
-            let codes = Bytes(self.bytes.slice(at + leaf::CODES, bytes)?);
+            let codes = Bytes(node.slice(leaf::CODES, codes(log2))?);
             for (i, voxel) in values.iter_mut().enumerate() {
                 *voxel = T::splat(code(codes, i, log2)? * quantum + minimum);
             }
+        } else {
+            let size = self.layout.value();
+            let all = node.slice(self.layout.leaf_values(), VOXELS * size)?;
+            for (voxel, bytes) in values.iter_mut().zip(all.chunks_exact(size)) {
+                *voxel = decode(bytes, self.layout);
+            }
         }
-        let placed = self.builder.leaf(origin, &values, active);
-        placed.map_err(|problem| format!("{problem}: the file is damaged, export it again"))
+        (self.builder.leaf(origin, &values, active)).map_err(misplaced)
     }
 }
 
@@ -185,7 +204,7 @@ fn decode<T: Spectrum>(bytes: &[u8], layout: Layout) -> T {
 
 /// The first voxel of what a root key names: z in the lowest bits.
 fn origin_of(key: u64) -> Result<IVec3, String> {
-    let (bits, log2) = KEY;
+    let (bits, log2) = (KEY_BITS, ROOT_EDGE);
     let axis = |i: u32| {
         let block = (key >> (bits * i)) & ((1 << bits) - 1);
         u32::try_from(block << log2).ok().map(u32::cast_signed)
@@ -198,23 +217,9 @@ fn origin_of(key: u64) -> Result<IVec3, String> {
 
 /// The root key of a block of 4096³ voxels.
 pub(super) fn key_of(origin: IVec3) -> u64 {
-    let (bits, log2) = KEY;
+    let (bits, log2) = (KEY_BITS, ROOT_EDGE);
     let [x, y, z] = (origin.to_array()).map(|i| u64::from(i.cast_unsigned() >> log2));
     x << (2 * bits) | y << bits | z
-}
-
-/// Where a slot of a node begins, from the node's first voxel: x slowest.
-pub(super) fn slot_origin(slot: usize, level: usize) -> IVec3 {
-    let [slots, edge] = LOG2[level];
-    let (slot, mask) = (slot as i32, (1 << slots) - 1);
-    IVec3::new(slot >> (2 * slots), (slot >> slots) & mask, slot & mask) << edge
-}
-
-/// The slot of a node that holds a voxel.
-pub(super) fn slot_of(voxel: IVec3, level: usize) -> usize {
-    let [slots, edge] = LOG2[level];
-    let [x, y, z] = ((voxel >> edge) & ((1 << slots) - 1)).to_array();
-    ((x << (2 * slots)) | (y << slots) | z) as usize
 }
 
 #[cfg(test)]
@@ -222,7 +227,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn keys_and_slots_name_places() {
+    fn keys_name_places() {
         for origin in [
             IVec3::ZERO,
             IVec3::new(-4096, 8192, i32::MIN),
@@ -231,9 +236,6 @@ mod tests {
             assert_eq!(origin_of(key_of(origin)), Ok(origin));
         }
         assert!(origin_of(1 << 20).is_err());
-        for (level, slot) in [(1, 4095), (1, 17), (2, 32_767), (2, 1025), (0, 511)] {
-            assert_eq!(slot_of(slot_origin(slot, level), level), slot);
-        }
     }
 
     #[test]

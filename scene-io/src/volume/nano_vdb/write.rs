@@ -3,15 +3,15 @@
 mod buffer;
 mod header;
 mod nodes;
-mod skeleton;
 
 use super::NanoCodec;
 use super::codec::{NONE, ZIP, zip};
 use super::grid::class_code;
-use super::layout::{FLOAT, Layout, VEC3F, grid};
+use super::layout::{FLOAT, Layout, VEC3F};
+use crate::volume::message::{UNREAD, in_grid};
+use crate::volume::skeleton::Skeleton;
 use crate::volume::{VolumeGrid, Voxels};
 use header::About;
-use skeleton::Skeleton;
 use std::io::Write;
 use tyndall_core::Spectrum;
 use tyndall_media::SparseGrid;
@@ -30,16 +30,13 @@ pub(crate) fn write(
     grids: &[VolumeGrid],
     codec: NanoCodec,
 ) -> Result<(), String> {
-    if grids.is_empty() {
-        return Err("there is no grid to write: name one at least".into());
-    }
     for grid in grids {
         let written = match &grid.voxels {
             Voxels::Scalar(voxels) => segment(out, grid, voxels, FLOAT, codec),
             Voxels::Vector(voxels) => segment(out, grid, voxels, VEC3F, codec),
-            Voxels::Unread => Err("its voxels were not read: ask for it by name".into()),
+            Voxels::Unread => Err(UNREAD.into()),
         };
-        written.map_err(|problem| format!("grid `{}`: {problem}", grid.name))?;
+        written.map_err(|problem| in_grid(grid.name.as_bytes(), problem))?;
     }
     Ok(())
 }
@@ -51,21 +48,13 @@ fn segment<T: Spectrum>(
     kind: u32,
     codec: NanoCodec,
 ) -> Result<(), String> {
-    let name = grid.name.as_bytes();
-    if name.len() >= grid::NAME_LENGTH || name.contains(&0) {
-        return Err(format!(
-            "its name has {} bytes: give it one of at most {} without zeros",
-            name.len(),
-            grid::NAME_LENGTH - 1
-        ));
-    }
     let layout = Layout::plain(T::CHANNELS);
     let skeleton = Skeleton::of(voxels);
     let (mut buffer, places, summary) = nodes::lay_out(voxels, &skeleton, layout)?;
     let about = About {
-        name,
+        name: grid.name.as_bytes(),
         kind,
-        class: class_code(grid.class),
+        class: class_code(grid.class, T::CHANNELS),
         to_world: voxels.to_world(),
         bounds: summary.bounds,
         voxels: summary.voxels,

@@ -1,61 +1,53 @@
 //! A file's bytes, read from front to back.
 
+use crate::volume::bytes::Bytes;
+
 /// Where reading is, in the first bytes of a file.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cursor<'a> {
-    bytes: &'a [u8],
+    bytes: Bytes<'a>,
     at: usize,
 }
 
 impl<'a> Cursor<'a> {
     pub(super) fn new(bytes: &'a [u8]) -> Self {
+        let bytes = Bytes(bytes);
         Self { bytes, at: 0 }
-    }
-
-    /// How many are left.
-    pub(super) fn rest(&self) -> usize {
-        self.bytes.len() - self.at
     }
 
     /// A cursor further on that reads no further than `end`.
     pub(super) fn within(&self, start: i64, end: i64) -> Result<Self, String> {
-        let place = |x: i64| usize::try_from(x).ok();
+        let (all, place) = (self.bytes.0, |x: i64| usize::try_from(x).ok());
         match (place(start), place(end)) {
-            (Some(at), Some(end)) if self.at <= at && at <= end && end <= self.bytes.len() => {
-                let bytes = &self.bytes[..end];
+            (Some(at), Some(end)) if self.at <= at && at <= end && end <= all.len() => {
+                let bytes = Bytes(&all[..end]);
                 Ok(Self { bytes, at })
             }
             _ => Err(format!(
-                "is said to lie in bytes {start} to {end} of {}: the file is cut off or broken, copy or export it again",
-                self.bytes.len()
+                "it is said to lie in bytes {start} to {end} of {}: the file is cut off or damaged, copy or export it again",
+                all.len()
             )),
         }
     }
 
     pub(super) fn seek(&mut self, at: usize) {
-        self.at = at.min(self.bytes.len());
+        self.at = at.min(self.bytes.0.len());
     }
 
     pub(super) fn take(&mut self, n: usize) -> Result<&'a [u8], String> {
-        let rest = &self.bytes[self.at..];
-        let taken = rest.get(..n).ok_or_else(|| {
-            format!(
-                "ends too early, at byte {}: the file is cut off or broken, copy or export it again",
-                self.bytes.len()
-            )
-        })?;
+        let taken = self.bytes.slice(self.at, n)?;
         self.at += n;
         Ok(taken)
     }
 
     pub(super) fn array<const N: usize>(&mut self) -> Result<[u8; N], String> {
-        let mut array = [0; N];
-        array.copy_from_slice(self.take(N)?);
+        let array = self.bytes.array(self.at)?;
+        self.at += N;
         Ok(array)
     }
 
     pub(super) fn u8(&mut self) -> Result<u8, String> {
-        self.array().map(|[byte]| byte)
+        self.array().map(u8::from_le_bytes)
     }
 
     pub(super) fn u32(&mut self) -> Result<u32, String> {
@@ -88,9 +80,13 @@ impl<'a> Cursor<'a> {
         self.take(length as usize)
     }
 
-    /// A bit for each of 64·`words` slots.
-    pub(super) fn mask(&mut self, words: usize) -> Result<Vec<u64>, String> {
-        let (words, _) = self.take(8 * words)?.as_chunks();
-        Ok(words.iter().map(|word| u64::from_le_bytes(*word)).collect())
+    /// A bit for each of 64·W slots.
+    pub(super) fn mask<const W: usize>(&mut self) -> Result<[u64; W], String> {
+        let (words, _) = self.take(size_of::<[u64; W]>())?.as_chunks();
+        let mut mask = [0; W];
+        for (word, bytes) in mask.iter_mut().zip(words) {
+            *word = u64::from_le_bytes(*bytes);
+        }
+        Ok(mask)
     }
 }

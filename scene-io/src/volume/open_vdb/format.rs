@@ -23,21 +23,30 @@ impl Number {
         }
     }
 
-    /// The number in these bytes, of which there are [`Number::size`].
-    fn read(self, bytes: &[u8]) -> f32 {
-        let mut word = [0; 8];
-        word[..bytes.len()].copy_from_slice(bytes);
-        let word = u64::from_le_bytes(word);
+    /// Puts values into slots, from bytes that hold a number for each channel.
+    fn decode<T: Spectrum>(
+        self,
+        bytes: &[u8],
+        slots: impl Iterator<Item = usize>,
+        values: &mut [T],
+    ) {
         match self {
-            Self::Half => f16::from_bits(word as u16).to_f32(),
-            Self::Single => f32::from_bits(word as u32),
-            Self::Double => f64::from_bits(word) as f32,
+            Self::Half => decode(bytes, slots, values, |x| f16::from_le_bytes(x).to_f32()),
+            Self::Single => decode(bytes, slots, values, f32::from_le_bytes),
+            Self::Double => decode(bytes, slots, values, |x| f64::from_le_bytes(x) as f32),
         }
     }
+}
 
-    /// The value in these bytes, a number for each channel.
-    fn value<T: Spectrum>(self, bytes: &[u8]) -> T {
-        T::from_channels(|c| self.read(&bytes[c * self.size()..][..self.size()]))
+fn decode<T: Spectrum, const N: usize>(
+    bytes: &[u8],
+    slots: impl Iterator<Item = usize>,
+    values: &mut [T],
+    number: impl Fn([u8; N]) -> f32,
+) {
+    let (numbers, _) = bytes.as_chunks();
+    for (slot, channels) in slots.zip(numbers.chunks_exact(T::CHANNELS)) {
+        values[slot] = T::from_channels(|c| number(channels[c]));
     }
 }
 
@@ -63,7 +72,7 @@ pub(super) mod inactive {
 pub(super) struct Format {
     /// A value on its own.
     pub(super) number: Number,
-    /// Whether many values together are halves, whatever they are on their own.
+    /// Whether many values together are halves though they are not on their own.
     pub(super) saved_as_half: bool,
     /// Whether inactive values may be left out.
     pub(super) active_only: bool,
@@ -79,14 +88,16 @@ impl Format {
     /// A value on its own.
     pub(super) fn value<T: Spectrum>(&self, cursor: &mut Cursor) -> Result<T, String> {
         let bytes = cursor.take(T::CHANNELS * self.number.size())?;
-        Ok(self.number.value(bytes))
+        let mut value = [T::default()];
+        self.number.decode(bytes, 0..1, &mut value);
+        Ok(value[0])
     }
 
     /// The values of a node, a slot each.
-    pub(super) fn values<T: Spectrum>(
+    pub(super) fn values<T: Spectrum, const W: usize>(
         &mut self,
         cursor: &mut Cursor,
-        active: &[u64],
+        active: &[u64; W],
         background: T,
         values: &mut [T],
     ) -> Result<(), String> {
@@ -99,38 +110,31 @@ impl Format {
             inactive::MASK_TWO => [self.value(cursor)?, self.value(cursor)?],
             _ => {
                 return Err(format!(
-                    "has inactive values of kind {code}, there are 0 to 6: the file is broken, export it again"
+                    "its inactive values are of kind {code}, there are 0 to 6: the file is damaged, export it again"
                 ));
             }
         };
         let mask = match code {
-            inactive::MASK | inactive::MASK_ONE | inactive::MASK_TWO => {
-                cursor.mask(active.len())?
-            }
-            _ => vec![0; active.len()],
+            inactive::MASK | inactive::MASK_ONE | inactive::MASK_TWO => cursor.mask()?,
+            _ => [0; W],
         };
         if !self.active_only || code == inactive::ALL {
-            return self.numbers(cursor, values.len(), values.iter_mut());
+            return self.numbers(cursor, values.len(), 0..values.len(), values);
         }
-        for (slot, value) in values.iter_mut().enumerate() {
-            *value = if mask::contains(&mask, slot) {
-                masked
-            } else {
-                other
-            };
+        values.fill(other);
+        for slot in mask::slots(&mask) {
+            values[slot] = masked;
         }
-        let count = active.iter().map(|word| word.count_ones() as usize).sum();
-        let slots = values.iter_mut().enumerate();
-        let slots = slots.filter(|(slot, _)| mask::contains(active, *slot));
-        self.numbers(cursor, count, slots.map(|(_, value)| value))
+        self.numbers(cursor, mask::count(active), mask::slots(active), values)
     }
 
-    /// A block of `count` values.
-    fn numbers<'v, T: Spectrum + 'v>(
+    /// A block of `count` values, which go to these slots.
+    fn numbers<T: Spectrum>(
         &mut self,
         cursor: &mut Cursor,
         count: usize,
-        values: impl Iterator<Item = &'v mut T>,
+        slots: impl Iterator<Item = usize>,
+        values: &mut [T],
     ) -> Result<(), String> {
         let number = if self.saved_as_half {
             // Of none, not even a size is written.
@@ -141,11 +145,8 @@ impl Format {
         } else {
             self.number
         };
-        let size = T::CHANNELS * number.size();
-        let block = self.codec.block(cursor, count * size)?;
-        for (value, bytes) in values.zip(block.chunks_exact(size)) {
-            *value = number.value(bytes);
-        }
+        let block = (self.codec).block(cursor, count * T::CHANNELS * number.size())?;
+        number.decode(block, slots, values);
         Ok(())
     }
 }

@@ -4,11 +4,12 @@ use super::codec::{ACTIVE_MASK, Codec};
 use super::cursor::Cursor;
 use super::format::{Format, Number};
 use super::{map, tree};
+use crate::volume::message::{in_grid, shown};
 use crate::volume::{GridClass, Voxels};
 use glam::DAffine3;
 
 /// Between the name of a grid and a number that tells it from others of this name.
-pub(super) const SEPARATOR: u8 = 0x1e;
+pub(in crate::volume) const SEPARATOR: u8 = 0x1e;
 /// After the type of a tree whose numbers are written as halves.
 pub(super) const HALF_SUFFIX: &[u8] = b"_HalfFloat";
 const FORM: &[u8] = b"_5_4_3";
@@ -24,7 +25,8 @@ pub(super) struct Grid<'a> {
     pub(super) class: GridClass,
     kind: Kind,
     saved_as_half: bool,
-    to_world: Result<DAffine3, String>,
+    /// Where its voxels are, or why that is not read.
+    pub(super) to_world: Result<DAffine3, String>,
     flags: u32,
     /// At the tree.
     tree: Cursor<'a>,
@@ -55,25 +57,19 @@ impl Kind {
 }
 
 impl<'a> Grid<'a> {
-    /// Reads the next grid of a file up to its tree, and goes to its end. Without `offsets` only its
-    /// tree tells where that is.
+    /// Reads the next grid of a file up to its tree and, with `offsets`, goes to its end.
     pub(super) fn read(cursor: &mut Cursor<'a>, offsets: bool) -> Result<Self, String> {
         let names = [cursor.string()?, cursor.string()?, cursor.string()?];
         let name = names[0].split(|&byte| byte == SEPARATOR).next();
-        let in_grid = |e| format!("grid `{}` {e}", shown(name.unwrap_or_default()));
+        let name = name.unwrap_or_default();
+        let in_grid = |problem: String| in_grid(name, problem);
         let (start, _blocks, end) = (cursor.i64()?, cursor.i64()?, cursor.i64()?);
-        let mut body = if offsets {
-            cursor.within(start, end).map_err(in_grid)?
-        } else {
-            *cursor
-        };
-        let grid = Self::head(names, name.unwrap_or_default(), &mut body).map_err(in_grid)?;
-        if offsets {
-            cursor.seek(usize::try_from(end).unwrap_or(usize::MAX));
-        } else {
-            *cursor = grid.end().map_err(in_grid)?;
+        if !offsets {
+            return Self::head(names, name, cursor).map_err(in_grid);
         }
-        Ok(grid)
+        let mut body = cursor.within(start, end).map_err(in_grid)?;
+        cursor.seek(usize::try_from(end).unwrap_or(usize::MAX));
+        Self::head(names, name, &mut body).map_err(in_grid)
     }
 
     fn head(
@@ -105,16 +101,6 @@ impl<'a> Grid<'a> {
         })
     }
 
-    /// Where the grid ends, found by reading it.
-    fn end(&self) -> Result<Cursor<'a>, String> {
-        let mut cursor = self.tree;
-        let to_world = self.to_world.clone()?;
-        if self.parent.is_empty() {
-            self.voxels_at(&mut cursor, to_world)?;
-        }
-        Ok(cursor)
-    }
-
     /// The type of its values.
     pub(super) fn kind(&self) -> String {
         let kind = match (&self.kind, self.saved_as_half) {
@@ -129,31 +115,30 @@ impl<'a> Grid<'a> {
         kind.to_owned()
     }
 
-    /// Reads its tree or, if it shares one, that of `parent`.
-    pub(super) fn voxels(&self, parent: Option<&Self>) -> Result<Voxels, String> {
-        let to_world = self.to_world.clone()?;
-        let source = parent.unwrap_or(self);
-        source.voxels_at(&mut source.tree.clone(), to_world)
+    /// Reads its tree; for where it is see [`Grid::to_world`].
+    pub(super) fn tree(&self) -> Result<Voxels, String> {
+        self.tree_at(&mut self.tree.clone())
     }
 
-    fn voxels_at(&self, cursor: &mut Cursor<'a>, to_world: DAffine3) -> Result<Voxels, String> {
+    /// Reads its tree, which begins where the cursor is.
+    pub(super) fn tree_at(&self, cursor: &mut Cursor<'a>) -> Result<Voxels, String> {
+        if let Some(why) = self.unsupported() {
+            return Err(why);
+        }
         let format = |number| {
             Ok::<_, String>(Format {
                 number,
-                saved_as_half: self.saved_as_half,
+                // OpenVDB has no smaller type for halves, and writes them as what they are.
+                saved_as_half: self.saved_as_half && number != Number::Half,
                 active_only: self.flags & ACTIVE_MASK != 0,
                 codec: Codec::new(self.flags)?,
             })
         };
-        match &self.kind {
-            Kind::Scalar(number) => {
-                tree::read(cursor, format(*number)?, to_world).map(Voxels::Scalar)
-            }
-            Kind::Vector(number) => {
-                tree::read(cursor, format(*number)?, to_world).map(Voxels::Vector)
-            }
-            Kind::Other(kind) => Err(unsupported(kind)),
-        }
+        Ok(match &self.kind {
+            Kind::Scalar(number) => Voxels::Scalar(tree::read(cursor, format(*number)?)?),
+            Kind::Vector(number) => Voxels::Vector(tree::read(cursor, format(*number)?)?),
+            Kind::Other(_) => Voxels::Unread,
+        })
     }
 
     /// Why it cannot be read whatever its tree holds: its type, or its transform.
@@ -163,25 +148,13 @@ impl<'a> Grid<'a> {
             Kind::Scalar(_) | Kind::Vector(_) => self.to_world.clone().err(),
         }
     }
-
-    /// Bytes that hold its tree, at most.
-    pub(super) fn tree_bytes(&self) -> usize {
-        self.tree.rest()
-    }
 }
 
 fn unsupported(kind: &str) -> String {
     format!(
-        "is of type `{}`, which is not read: export it as float, half, double, vec3s or vec3d in the tree 5_4_3",
+        "it is of type `{}`, which is not read: export it as float, half, double, vec3s or vec3d in the tree 5_4_3",
         shown(kind.as_bytes())
     )
-}
-
-/// What a file calls something, for a message: one line, not too long.
-pub(super) fn shown(text: &[u8]) -> String {
-    let text = String::from_utf8_lossy(text);
-    let plain = |c: char| if c.is_control() { '\u{fffd}' } else { c };
-    text.chars().map(plain).take(80).collect()
 }
 
 /// Visits a list of metadata, whatever their types.

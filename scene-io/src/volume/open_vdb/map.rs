@@ -1,6 +1,7 @@
 //! Transforms from voxels to space.
 
 use super::cursor::Cursor;
+use crate::volume::message::shown;
 use glam::{DAffine3, DMat3, DVec3};
 
 /// Reads a transform.
@@ -25,12 +26,12 @@ pub(super) fn read(cursor: &mut Cursor) -> Result<DAffine3, String> {
         b"TranslationMap" => Ok(DAffine3::from_translation(cursor.f64s()?.into())),
         b"AffineMap" | b"UnitaryMap" => matrix(cursor.f64s()?),
         b"NonlinearFrustumMap" => Err(
-            "lies in the frustum of a camera: resample it to a box along the axes and export that"
+            "it lies in the frustum of a camera: resample it to a box along the axes and export that"
                 .into(),
         ),
         _ => Err(format!(
-            "has a transform `{}`, which is not read: export it with a linear transform",
-            super::grid::shown(name)
+            "its transform `{}` is not read: export it with a linear transform",
+            shown(name)
         )),
     }
 }
@@ -39,7 +40,7 @@ pub(super) fn read(cursor: &mut Cursor) -> Result<DAffine3, String> {
 fn matrix(m: [f64; 16]) -> Result<DAffine3, String> {
     let row = |i: usize| DVec3::new(m[4 * i], m[4 * i + 1], m[4 * i + 2]);
     if [m[3], m[7], m[11], m[15]] != [0.0, 0.0, 0.0, 1.0] {
-        return Err("has a transform that is not affine: export it with a linear transform".into());
+        return Err("its transform is not affine: export it with a linear transform".into());
     }
     Ok(DAffine3 {
         matrix3: DMat3::from_cols(row(0), row(1), row(2)),

@@ -7,7 +7,19 @@ pub(super) fn contains(mask: &[u64], slot: usize) -> bool {
 
 /// The slots in the set, in order.
 pub(super) fn slots(mask: &[u64]) -> impl Iterator<Item = usize> + '_ {
-    (0..64 * mask.len()).filter(|&slot| contains(mask, slot))
+    let bits = |mut word: u64| {
+        std::iter::from_fn(move || {
+            let bit = (word != 0).then(|| word.trailing_zeros() as usize)?;
+            word &= word - 1;
+            Some(bit)
+        })
+    };
+    (mask.iter().enumerate()).flat_map(move |(w, &word)| bits(word).map(move |bit| 64 * w + bit))
+}
+
+/// How many slots are in the set.
+pub(super) fn count(mask: &[u64]) -> usize {
+    mask.iter().map(|word| word.count_ones() as usize).sum()
 }
 
 /// The set of the slots of which this holds.

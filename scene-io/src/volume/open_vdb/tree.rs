@@ -3,86 +3,39 @@
 
 use super::cursor::Cursor;
 use super::format::Format;
-use super::mask;
+use super::{is_half, mask};
+use crate::volume::level::{LEAF_WORDS, LOWER, Level, ROOT_EDGE, UPPER, VOXELS, misplaced};
 use glam::{DAffine3, IVec3};
 use tyndall_core::Spectrum;
-use tyndall_media::{MediumError, Precision, SparseBuilder, SparseGrid, TileSize};
+use tyndall_media::{Precision, SparseBuilder, SparseGrid, TileSize};
 
-/// A kind of node with children.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Level {
-    /// log₂ of the slots along an edge.
-    pub(super) slots: i32,
-    /// log₂ of the voxels along the edge of a slot.
-    pub(super) edge: i32,
-    /// What fills a slot without a child.
-    tile: TileSize,
-}
-
-/// 32³ slots of 128³ voxels.
-pub(super) const UPPER: Level = Level {
-    slots: 5,
-    edge: 7,
-    tile: TileSize::Lower,
-};
-/// 16³ slots of 8³ voxels.
-pub(super) const LOWER: Level = Level {
-    slots: 4,
-    edge: 3,
-    tile: TileSize::Leaf,
-};
-/// log₂ of the voxels along the edge of an upper node.
-pub(super) const ROOT_EDGE: i32 = 12;
-/// Voxels of a leaf, and words of its mask.
-pub(super) const VOXELS: usize = 512;
-pub(super) const LEAF_WORDS: usize = VOXELS / 64;
-
-impl Level {
-    pub(super) fn count(self) -> usize {
-        1 << (3 * self.slots)
-    }
-
-    /// The slot of a voxel: x slowest.
-    pub(super) fn slot(self, ijk: IVec3) -> usize {
-        let IVec3 { x, y, z } = (ijk >> self.edge) & ((1 << self.slots) - 1);
-        ((x << (2 * self.slots)) | (y << self.slots) | z) as usize
-    }
-
-    /// The first voxel of a slot, from the node's first.
-    fn origin(self, slot: usize) -> IVec3 {
-        let (slot, mask) = (slot as i32, (1 << self.slots) - 1);
-        let x = slot >> (2 * self.slots);
-        IVec3::new(x, (slot >> self.slots) & mask, slot & mask) << self.edge
-    }
-}
-
-struct Leaf {
-    origin: IVec3,
-    active: [u64; LEAF_WORDS],
-}
+/// Words of the masks of nodes.
+const LOWER_WORDS: usize = LOWER.count() / 64;
+const UPPER_WORDS: usize = UPPER.count() / 64;
 
 struct Reader<'c, 'a, T> {
     cursor: &'c mut Cursor<'a>,
     format: Format,
     background: T,
     builder: SparseBuilder<T>,
-    leaves: Vec<Leaf>,
+    /// Their first voxels.
+    leaves: Vec<IVec3>,
 }
 
-/// Reads a tree.
+/// Reads a tree, of which a voxel is a unit long.
 pub(super) fn read<T: Spectrum>(
     cursor: &mut Cursor,
     format: Format,
-    to_world: DAffine3,
 ) -> Result<SparseGrid<T>, String> {
     let buffers = cursor.u32()?;
     if buffers != 1 {
         return Err(format!(
-            "has {buffers} values a voxel in place of 1: export it again"
+            "it has {buffers} values a voxel in place of 1: export it again"
         ));
     }
     let background = format.value(cursor)?;
-    let precision = if format.is_half() {
+    // Where voxels are halves, the background need not be one.
+    let precision = if format.is_half() && is_half(background) {
         Precision::Half
     } else {
         Precision::Single
@@ -96,7 +49,7 @@ pub(super) fn read<T: Spectrum>(
     };
     reader.root()?;
     reader.voxels()?;
-    (reader.builder.build(to_world)).map_err(|e| format!("has a transform of no use: {e}"))
+    (reader.builder.build(DAffine3::IDENTITY)).map_err(|e| e.to_string())
 }
 
 impl<T: Spectrum> Reader<'_, '_, T> {
@@ -110,7 +63,7 @@ impl<T: Spectrum> Reader<'_, '_, T> {
         }
         for _ in 0..children {
             let origin = self.root_origin()?;
-            self.node(origin, UPPER)?;
+            self.node::<UPPER_WORDS>(origin, UPPER)?;
         }
         Ok(())
     }
@@ -122,14 +75,13 @@ impl<T: Spectrum> Reader<'_, '_, T> {
             Ok(origin)
         } else {
             Err(format!(
-                "has a node at {origin}, not a multiple of 4096: the file is broken, export it again"
+                "it has a node at {origin}, not a multiple of 4096: the file is damaged, export it again"
             ))
         }
     }
 
-    fn node(&mut self, origin: IVec3, level: Level) -> Result<(), String> {
-        let words = level.count() / 64;
-        let (children, active) = (self.cursor.mask(words)?, self.cursor.mask(words)?);
+    fn node<const W: usize>(&mut self, origin: IVec3, level: Level) -> Result<(), String> {
+        let (children, active) = (self.cursor.mask::<W>()?, self.cursor.mask::<W>()?);
         let mut values = vec![self.background; level.count()];
         (self.format).values(self.cursor, &active, self.background, &mut values)?;
         for (slot, value) in values.into_iter().enumerate() {
@@ -142,29 +94,24 @@ impl<T: Spectrum> Reader<'_, '_, T> {
         for slot in mask::slots(&children) {
             let origin = origin + level.origin(slot);
             match level.tile {
-                TileSize::Lower => self.node(origin, LOWER)?,
+                TileSize::Lower => self.node::<LOWER_WORDS>(origin, LOWER)?,
                 _ => {
-                    let active = self.leaf_mask()?;
-                    self.leaves.push(Leaf { origin, active });
+                    // Its mask is written once more with its voxels, and that one counts.
+                    self.cursor.mask::<LEAF_WORDS>()?;
+                    self.leaves.push(origin);
                 }
             }
         }
         Ok(())
     }
 
-    fn leaf_mask(&mut self) -> Result<[u64; LEAF_WORDS], String> {
-        let mut active = [0; LEAF_WORDS];
-        active.copy_from_slice(&self.cursor.mask(LEAF_WORDS)?);
-        Ok(active)
-    }
-
-    /// The voxels of the leaves, each after its mask once more.
+    /// The voxels of the leaves.
     fn voxels(&mut self) -> Result<(), String> {
         let mut values = Box::new([self.background; VOXELS]);
-        for Leaf { origin, active } in std::mem::take(&mut self.leaves) {
-            self.leaf_mask()?;
+        for origin in std::mem::take(&mut self.leaves) {
+            let active = self.cursor.mask::<LEAF_WORDS>()?;
             (self.format).values(self.cursor, &active, self.background, &mut values[..])?;
-            (self.builder.leaf(origin, &values, active)).map_err(taken)?;
+            (self.builder.leaf(origin, &values, active)).map_err(misplaced)?;
         }
         Ok(())
     }
@@ -176,11 +123,6 @@ impl<T: Spectrum> Reader<'_, '_, T> {
         value: T,
         active: bool,
     ) -> Result<(), String> {
-        (self.builder.tile(origin, size, value, active)).map_err(taken)
+        (self.builder.tile(origin, size, value, active)).map_err(misplaced)
     }
-}
-
-/// Says why a node or tile could not be placed.
-fn taken(error: MediumError) -> String {
-    format!("has two nodes in one place: {error}: the file is broken, export it again")
 }

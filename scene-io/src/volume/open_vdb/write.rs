@@ -6,7 +6,8 @@ mod values;
 
 use super::codec::{ACTIVE_MASK, ZIP};
 use super::grid::{HALF_SUFFIX, SEPARATOR, class_name};
-use super::{MAGIC, map};
+use super::{MAGIC, is_half, map};
+use crate::volume::message::{UNREAD, in_grid};
 use crate::volume::{VolumeGrid, Voxels};
 use nodes::Nodes;
 use tyndall_core::Spectrum;
@@ -16,7 +17,8 @@ use values::Values;
 const VERSION: u32 = 224;
 /// The first library to write this version as we do.
 const LIBRARY: [u32; 2] = [5, 0];
-/// Files are told apart by their contents: the same grids give the same bytes.
+/// Where the name of a file begins, and what stands there until it is known.
+const UUID_AT: usize = 21;
 const UUID: &[u8] = b"00000000-0000-0000-0000-000000000000";
 
 /// The bytes of a file with these grids, or why one cannot be written.
@@ -43,15 +45,25 @@ pub(in crate::volume) fn write(grids: &[VolumeGrid]) -> Result<Vec<u8>, String> 
         match &grid.voxels {
             Voxels::Scalar(voxels) => write_grid(grid, &unique, "float", voxels, &mut out),
             Voxels::Vector(voxels) => write_grid(grid, &unique, "vec3s", voxels, &mut out),
-            Voxels::Unread => {
-                return Err(format!(
-                    "grid `{}` has no voxels: read them, or leave it out",
-                    grid.name
-                ));
-            }
+            Voxels::Unread => return Err(in_grid(grid.name.as_bytes(), UNREAD)),
         }
     }
+    let uuid = uuid(&out);
+    out[UUID_AT..UUID_AT + UUID.len()].copy_from_slice(uuid.as_bytes());
     Ok(out)
+}
+
+/// A name for a file, by which OpenVDB tells whether it has changed: a hash of its other bytes, of
+/// version 8 (RFC 9562). The same grids give the same bytes.
+fn uuid(bytes: &[u8]) -> String {
+    let hash = blake3::hash(bytes);
+    let mut id: [u8; 16] = std::array::from_fn(|i| hash.as_bytes()[i]);
+    id[6] = 0x80 | (id[6] & 0x0f);
+    id[8] = 0x80 | (id[8] & 0x3f);
+    let hex = |bytes: &[u8]| -> String { bytes.iter().map(|b| format!("{b:02x}")).collect() };
+    [&id[..4], &id[4..6], &id[6..8], &id[8..10], &id[10..]]
+        .map(hex)
+        .join("-")
 }
 
 fn write_grid<T: Spectrum>(
@@ -87,12 +99,6 @@ fn write_grid<T: Spectrum>(
     nodes.write_voxels(&mut values);
     let ends = [start, blocks, out.len()].map(|at| (at as u64).to_le_bytes());
     out[offsets..start].copy_from_slice(ends.as_flattened());
-}
-
-/// Whether halves can say this value.
-fn is_half<T: Spectrum>(value: T) -> bool {
-    let halves = value.map(|x| half::f16::from_f32(x).to_f32());
-    (0..T::CHANNELS).all(|c| halves.channel(c).to_bits() == value.channel(c).to_bits())
 }
 
 pub(super) fn string(text: &[u8], out: &mut Vec<u8>) {

@@ -1,10 +1,11 @@
 //! Lays the nodes of a grid out: breadth first, one level after the other.
 
-use super::super::layout::{LOG2, Layout, NodeLayout, ROOT_TILES, grid, leaf, tile, tree};
+use super::super::layout::{Layout, NodeLayout, ROOT_TILES, grid, kind_of, leaf, tile, tree};
 use super::super::summary::Summary;
-use super::super::tree::{key_of, slot_origin};
+use super::super::tree::key_of;
 use super::buffer::Buffer;
-use super::skeleton::{Leaf, Node, Skeleton, Slot};
+use crate::volume::level::ROOT_EDGE;
+use crate::volume::skeleton::{Leaf, Node, Skeleton, Slot};
 use glam::IVec3;
 use tyndall_core::Spectrum;
 use tyndall_media::SparseGrid;
@@ -109,7 +110,7 @@ impl<T: Spectrum> Writer<'_, T> {
     }
 
     fn node(&mut self, level: usize, i: usize, node: &Node<T>, below: &[Summary<T>]) -> Summary<T> {
-        let layout = self.layout.node(level);
+        let (kind, layout) = (kind_of(level), self.layout.node(level));
         let at = self.place(level, i) as usize;
         for slot in 0..layout.slots {
             let place = at + layout.table + layout.stride * slot;
@@ -129,14 +130,14 @@ impl<T: Spectrum> Writer<'_, T> {
                     self.buffer.put_value(place, tile.value);
                     if tile.active {
                         self.buffer.set_bit(at + NodeLayout::VALUE_MASK, slot);
-                        let origin = node.origin + slot_origin(slot, level);
-                        summary.add(&Summary::cube(origin, 1 << LOG2[level][1], tile.value));
+                        let origin = node.origin + kind.origin(slot);
+                        summary.add(&Summary::cube(origin, 1 << kind.edge, tile.value));
                     }
                 }
             }
         }
         // Readers find its origin by the first corner of its box, even of an empty one.
-        let edge = 1 << (LOG2[level][0] + LOG2[level][1]);
+        let edge = 1 << kind.node_edge();
         let empty = [node.origin + (edge - 1), node.origin];
         let bounds = summary.bounds.unwrap_or(empty);
         self.buffer.put_box(at, bounds);
@@ -164,7 +165,7 @@ impl<T: Spectrum> Writer<'_, T> {
                     self.buffer
                         .put_u32(here + tile::ACTIVE, content.active.into());
                     if content.active {
-                        summary.add(&Summary::cube(*origin, 1 << 12, content.value));
+                        summary.add(&Summary::cube(*origin, 1 << ROOT_EDGE, content.value));
                     }
                 }
             }

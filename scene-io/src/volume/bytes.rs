@@ -10,13 +10,13 @@ impl<'a> Bytes<'a> {
         let slice = end.and_then(|end| self.0.get(at..end));
         slice.ok_or_else(|| {
             format!(
-                "{length} bytes from byte {at} on are not among its {}: the file is cut off or damaged, export it again",
+                "it ends too early, at byte {}: the file is cut off or damaged, copy or export it again",
                 self.0.len()
             )
         })
     }
 
-    fn array<const N: usize>(self, at: usize) -> Result<[u8; N], String> {
+    pub(super) fn array<const N: usize>(self, at: usize) -> Result<[u8; N], String> {
         let mut array = [0; N];
         array.copy_from_slice(self.slice(at, N)?);
         Ok(array)

@@ -1,6 +1,6 @@
 //! The nodes of a grid, level by level.
 
-use super::super::tree::slot_of;
+use super::level::{LEAF_WORDS, LOWER, ROOT_EDGE, UPPER};
 use glam::IVec3;
 use tyndall_core::Spectrum;
 use tyndall_media::{Piece, SparseGrid, Tile};
@@ -18,12 +18,22 @@ pub(super) struct Node<T> {
     pub(super) slots: Vec<(usize, Slot<T>)>,
 }
 
+impl<T> Node<T> {
+    /// The numbers of its children, in order.
+    pub(super) fn children(&self) -> impl Iterator<Item = usize> + '_ {
+        self.slots.iter().filter_map(|(_, content)| match content {
+            Slot::Child(child) => Some(*child),
+            Slot::Tile(_) => None,
+        })
+    }
+}
+
 #[derive(Debug)]
 pub(super) struct Leaf<'a> {
     pub(super) origin: IVec3,
     /// Its number in the grid.
     pub(super) number: u32,
-    pub(super) active: &'a [u64; 8],
+    pub(super) active: &'a [u64; LEAF_WORDS],
 }
 
 /// All nodes in the order of their origins, parents' slots in that of their children.
@@ -53,10 +63,10 @@ impl<'a, T: Spectrum> Skeleton<'a, T> {
                 all.insert(origin, 1, child);
             }
             Piece::Tile { edge, tile } => {
-                let level = match edge {
-                    8 => 1,
-                    128 => 2,
-                    _ => 3,
+                let level = match edge.ilog2() {
+                    ROOT_EDGE => 3,
+                    edge if edge == UPPER.edge => 2,
+                    _ => 1,
                 };
                 all.insert(origin, level, Slot::Tile(tile));
             }
@@ -70,10 +80,10 @@ impl<'a, T: Spectrum> Skeleton<'a, T> {
             self.root.push((origin, content));
             return;
         }
-        let edge = [1 << 7, 1 << 12][level - 1];
-        let parent = origin & !(edge - 1);
+        let kind = [LOWER, UPPER][level - 1];
+        let parent = origin & !((1 << kind.node_edge()) - 1);
         let nodes = &mut self.nodes[level - 1];
-        let slot = (slot_of(origin, level), content);
+        let slot = (kind.slot(origin), content);
         match nodes.last_mut() {
             Some(node) if node.origin == parent => node.slots.push(slot),
             _ => {
