@@ -257,6 +257,20 @@ impl<T: Spectrum> SparseGrid<T> {
         self.value(self.found(ijk, hint), ijk)
     }
 
+    /// The voxel `base` and those after it, some of them in other leaves: each of these is found once.
+    fn corners_across(&self, base: IVec3, hint: &mut Hint) -> [T; 8] {
+        let corner = |i: usize| base.saturating_add(IVec3::from(CORNERS[i]));
+        // The place among the corners of the first one beyond the leaf, along each axis.
+        let beyond = (base & (LEAF - 1)).cmpeq(IVec3::splat(LEAF - 1));
+        let across = [beyond.x, beyond.y, beyond.z].map(usize::from);
+        let across = (across[0] << 2) | (across[1] << 1) | across[2];
+        let mut found = [self.found(base, hint); 8];
+        for i in (1..8).filter(|i| i & across == *i) {
+            found[i] = self.tree.find(corner(i));
+        }
+        std::array::from_fn(|i| self.value(found[i & across], corner(i)))
+    }
+
     /// Between the voxel `base` and the one after it in each axis; `fraction` in \[0, 1\].
     #[inline]
     fn interpolate(&self, base: IVec3, fraction: Vec3, hint: &mut Hint) -> T {
@@ -273,7 +287,7 @@ impl<T: Spectrum> SparseGrid<T> {
                 }
             }
         } else {
-            CORNERS.map(|corner| self.near(base.saturating_add(IVec3::from(corner)), hint))
+            self.corners_across(base, hint)
         };
         let lerp = |a: T, b: T, s: f32| a * (1.0 - s) + b * s;
         let z = |i: usize| lerp(corners[i], corners[i + 1], fraction.z);

@@ -391,7 +391,7 @@ fn what_is_wrong_with_a_volume_is_said() {
         ),
         (
             &[("media.cloud.albedo", "{ grid = 'Cd', factor = 2 }")],
-            ["media.cloud.albedo", "smaller `factor`"],
+            ["media.cloud.albedo", "at most 1 by `factor`"],
         ),
         (
             &[("media.cloud.albedo", "'cloud.vdb'")],

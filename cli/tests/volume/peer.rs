@@ -55,7 +55,7 @@ fn openvdb_finds_what_it_wrote() {
         run(at, &["volume", "convert", &name, "-o", "by.nvdb"]);
         run(at, &["volume", "convert", "by.nvdb", "-o", "back.vdb"]);
         let ours = peer("read", &at.join("back.vdb")).expect("OpenVDB is here");
-        let ours: Vec<Value> = serde_json::from_str(&ours).expect("JSON");
+        let [ours]: [Vec<Value>; 1] = serde_json::from_str(&ours).expect("JSON");
         let theirs = expected[&name].as_array().expect("grids").iter();
         let theirs: Vec<_> = theirs.filter(|grid| grid["wanted"] == true).collect();
         assert_eq!(ours.len(), theirs.len(), "{name}");
@@ -80,7 +80,7 @@ fn openvdb_finds_the_fog_of_its_sphere() {
     );
     let fog = peer("read", &at.join("fog.vdb")).expect("OpenVDB is here");
     let fog: Value = serde_json::from_str(&fog).expect("JSON");
-    let fog = &fog[0];
+    let fog = &fog[0][0];
     assert_eq!([&fog["class"], &fog["name"]], ["fog volume", "surface"]);
     assert_eq!([&fog["background"][0], &fog["max"][0]], [0.0, 1.0]);
     let (mut inside, mut sum) = (0_u64, 0.0);

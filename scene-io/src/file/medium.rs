@@ -60,33 +60,20 @@ fn atmosphere(table: &Table<'_>) -> Result<Density, Error> {
     })
 }
 
-fn grid(table: &Table<'_>, volumes: &Volumes<'_>) -> Result<(Coefficients<Rgb>, Grid), Error> {
+fn grid<'a>(table: &Table<'a>, volumes: &Volumes<'_>) -> Result<(Coefficients<Rgb>, Grid), Error> {
     let sigma_t = table.required("scale")?.colour()?;
     let (density, source, placing) = density(table, volumes)?;
     let other = source.as_ref().filter(|source| !source.is_dense());
-    let colours = |field: &Field<'_>, usual| {
-        let (source, factor) = if field.is_table() {
-            let table = field.table()?;
-            let source = Source::of(&table, usual, other)?;
-            let factor = factor(&table)?;
-            table.finish()?;
-            (source, factor)
-        } else {
-            (Source::file(field, usual)?, 1.0)
-        };
-        let values = volumes.colours(&source, &placing)?;
-        Ok::<_, Error>(Colours { values, factor })
-    };
+    let colours = |field: &Field<'a>, usual| colours(field, usual, other, (volumes, &placing));
     let varies = |field: &Field<'_>| field.is_string() || field.is_table();
     let (mut albedo, mut albedo_grid) = (Rgb::default(), None);
     match table.required("albedo")? {
         field if varies(&field) => {
-            let grid = colours(&field, "albedo")?;
-            if !grid.max().0.cmple(glam::Vec3::ONE).all() {
-                return Err(field.error(format!(
-                    "exceeds 1 (its largest colour is {:?}): choose a smaller `factor`",
-                    grid.max().0.to_array()
-                )));
+            let (grid, source) = colours(&field, "albedo")?;
+            let Rgb(most) = grid.max();
+            if most.max_element() > 1.0 {
+                let why = format!("its largest albedo is {most}: make it at most 1 by `factor`");
+                return Err(volumes.fault(&source, why));
             }
             albedo_grid = Some(grid);
         }
@@ -98,7 +85,7 @@ fn grid(table: &Table<'_>, volumes: &Volumes<'_>) -> Result<(Coefficients<Rgb>, 
             return Err(both.error("`emission` and `temperature` exclude each other: remove one"));
         }
         (Some(field), None) if varies(&field) => {
-            glow = Some(Glow::Emission(colours(&field, "emission")?));
+            glow = Some(Glow::Emission(colours(&field, "emission")?.0));
         }
         (Some(field), None) => emission = field.colour()?,
         (None, Some(field)) => glow = Some(heat(&field, other, volumes, &placing)?),
@@ -120,6 +107,26 @@ fn grid(table: &Table<'_>, volumes: &Volumes<'_>) -> Result<(Coefficients<Rgb>, 
         tracking,
     };
     Ok((coefficients, grid))
+}
+
+/// A grid of colours, and where it is from.
+fn colours<'a>(
+    field: &Field<'a>,
+    usual: &'static str,
+    other: Option<&Source<'a>>,
+    (volumes, placing): (&Volumes<'_>, &Placing),
+) -> Result<(Colours, Source<'a>), Error> {
+    let (source, factor) = if field.is_table() {
+        let table = field.table()?;
+        let source = Source::of(&table, usual, other)?;
+        let factor = factor(&table)?;
+        table.finish()?;
+        (source, factor)
+    } else {
+        (Source::file(field, usual)?, 1.0)
+    };
+    let values = volumes.colours(&source, placing)?;
+    Ok((Colours { values, factor }, source))
 }
 
 /// Of all values of a grid.

@@ -4,7 +4,7 @@ use super::reader::{Field, Table};
 use crate::files::Files;
 use crate::media::{Boxed, ColourValues, Scalars};
 use crate::vol::{Volume, read_vol};
-use crate::{Error, GridClass, VolumeGrid, Voxels, read_volume};
+use crate::{Error, GridClass, VolumeFormat, VolumeGrid, Voxels, read_volume};
 use glam::{DAffine3, DVec3, Vec3};
 use std::cell::RefCell;
 use std::fmt::Display;
@@ -73,9 +73,7 @@ impl<'a> Source<'a> {
 
     /// Whether it is a `.vol` file: these have no names and no transformation.
     pub(super) fn is_dense(&self) -> bool {
-        Path::new(self.file)
-            .extension()
-            .is_some_and(|e| e.eq_ignore_ascii_case("vol"))
+        VolumeFormat::of(Path::new(self.file)) == Some(VolumeFormat::Vol)
     }
 
     fn dense(&self, files: &Files) -> Result<Volume, Error> {
@@ -83,12 +81,6 @@ impl<'a> Source<'a> {
             return Err(grid.error("a .vol file has one grid without a name: remove the key"));
         }
         read_vol(&files.named(self.file)).map_err(|e| self.field.error(e))
-    }
-
-    /// A complaint about the file.
-    fn error(&self, files: &Files, problem: impl Display) -> Error {
-        let path = files.named(self.file);
-        self.field.error(format!("{}: {problem}", path.display()))
     }
 }
 
@@ -119,7 +111,7 @@ impl<'a> Volumes<'a> {
             if volume.channels != 1 {
                 let n = volume.channels;
                 let why = format!("has {n} channels where 1 is needed: write one of 1");
-                return Err(source.error(self.files, why));
+                return Err(self.fault(source, why));
             }
             let grid = self.boxed(source, volume.resolution, volume.values, placing)?;
             return Ok(Scalars::Dense(Boxed { grid, corners }));
@@ -132,7 +124,7 @@ impl<'a> Volumes<'a> {
                     "grid {:?} holds vectors where numbers are needed: name another with `grid`",
                     grid.name
                 );
-                Err(source.error(self.files, why))
+                Err(self.fault(source, why))
             }
         }
     }
@@ -153,7 +145,7 @@ impl<'a> Volumes<'a> {
                     .collect(),
                 n => {
                     let why = format!("has {n} channels: write one of 1 or 3 channels");
-                    return Err(source.error(self.files, why));
+                    return Err(self.fault(source, why));
                 }
             };
             let grid = self.boxed(source, volume.resolution, values, placing)?;
@@ -162,8 +154,14 @@ impl<'a> Volumes<'a> {
         match self.sparse(source)?.voxels {
             Voxels::Vector(grid) => self.placed(source, grid, placing).map(ColourValues::Sparse),
             Voxels::Scalar(grid) => self.placed(source, grid, placing).map(ColourValues::Grey),
-            Voxels::Unread => unreachable!("it was asked for"),
+            Voxels::Unread => Err(self.fault(source, CHANGED)),
         }
+    }
+
+    /// A complaint about a file.
+    pub(super) fn fault(&self, source: &Source<'_>, problem: impl Display) -> Error {
+        let path = self.files.named(source.file);
+        source.field.error(format!("{}: {problem}", path.display()))
     }
 
     fn boxed<T: Spectrum>(
@@ -174,7 +172,7 @@ impl<'a> Volumes<'a> {
         placing: &Placing,
     ) -> Result<DenseGrid<T>, Error> {
         let grid = DenseGrid::new(resolution, UNIT, values);
-        let grid = grid.map_err(|e| source.error(self.files, e))?;
+        let grid = grid.map_err(|e| self.fault(source, e))?;
         Ok(grid.with_filter(placing.filter))
     }
 
@@ -189,7 +187,7 @@ impl<'a> Volumes<'a> {
             let grid = grid.transformed(placing.transform)?;
             Ok::<_, tyndall_media::MediumError>(grid.with_filter(placing.filter))
         };
-        placed().map_err(|e| source.error(self.files, e))
+        placed().map_err(|e| self.fault(source, e))
     }
 
     /// A grid of an OpenVDB or NanoVDB file.
@@ -216,15 +214,14 @@ impl<'a> Volumes<'a> {
         }
         let grids = read_volume(&read.path, |n| n == name).map_err(|e| source.field.error(e))?;
         let grid = grids.into_iter().find(|grid| grid.name == name);
-        let changed = || source.error(self.files, "changes while it is read: try again");
-        let grid = grid.ok_or_else(changed)?;
+        let grid = grid.ok_or_else(|| self.fault(source, CHANGED))?;
         if grid.class == GridClass::LevelSet {
             let why = format!(
                 "grid {name:?} is a level set, distances to a surface: make fog of it with `tyndall \
                  volume convert {} -o fog.vdb --fog`",
                 read.path.display()
             );
-            return Err(source.error(self.files, why));
+            return Err(self.fault(source, why));
         }
         read.grids.push(grid.clone());
         Ok(grid)
@@ -238,21 +235,21 @@ impl<'a> Volumes<'a> {
             (Some(field), _) => known[field.name_in("grid", &known)?],
             (None, [only]) => only,
             (None, _) if known.contains(&source.usual) => source.usual,
-            (None, []) => return Err(source.error(self.files, "has no grids: export it again")),
+            (None, []) => return Err(self.fault(source, "has no grids: export it again")),
             (None, _) => {
                 let why = format!(
                     "has no grid {:?} but {}: name one with `grid`",
                     source.usual,
                     known.join(", ")
                 );
-                return Err(source.error(self.files, why));
+                return Err(self.fault(source, why));
             }
         };
         match known.iter().filter(|&&n| n == name).count() {
             1 => Ok(name.to_owned()),
             n => {
                 let why = format!("has {n} grids {name:?}: give them different names");
-                Err(source.error(self.files, why))
+                Err(self.fault(source, why))
             }
         }
     }
@@ -275,6 +272,8 @@ impl<'a> Volumes<'a> {
         read.iter().filter_map(notice).collect()
     }
 }
+
+const CHANGED: &str = "changes while it is read: try again";
 
 /// What exporters call the motion of a volume.
 const VELOCITY: [&str; 7] = ["velocity", "vel", "v", "motion", "vel.x", "vel.y", "vel.z"];

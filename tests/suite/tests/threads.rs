@@ -21,7 +21,13 @@ fn film(scene: &Scene<Rgb>, threads: usize) -> Film<Rgb> {
 
 #[test]
 fn one_two_and_seven_threads_give_the_same_bits() {
-    for name in ["cornell_fog", "glass_ball", "laser", "spot_smoke"] {
+    for name in [
+        "cornell_fog",
+        "glass_ball",
+        "laser",
+        "spot_smoke",
+        "two_plumes",
+    ] {
         let path = format!("{}/../../scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
         let small = ["film.width", "film.height"].map(|key| (key.into(), "50".into()));
         let file = SceneFile::load(FilePath::new(&path), &small).unwrap_or_else(|e| panic!("{e}"));
