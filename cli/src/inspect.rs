@@ -133,7 +133,7 @@ fn medium(f: &mut fmt::Formatter<'_>, medium: &MediumSummary) -> fmt::Result {
         write!(f, " of {x}×{y}×{z} voxels")?;
     }
     if let Some(active) = medium.active_voxels {
-        write!(f, " of {active} active voxels")?;
+        write!(f, " of {} active voxels", indicatif::HumanCount(active))?;
     }
     let place = match (medium.fills_space, medium.shapes) {
         (true, _) => "fills space outside of shapes".to_owned(),

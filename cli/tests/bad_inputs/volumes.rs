@@ -1,8 +1,8 @@
-//! Volumes: what cannot be inspected or converted.
+//! Volumes: what cannot be inspected, converted or rendered.
 
 use crate::case::Case;
 use crate::clouds::{colour, density, placed, plane, vdb, vol, with_integers};
-use crate::scene::GOOD;
+use crate::scene::{GOOD, broken};
 use glam::{DAffine3, IVec3};
 use tyndall_media::{SparseBuilder, TileSize};
 use tyndall_scene_io::{GridClass, VolumeGrid, Voxels};
@@ -42,10 +42,17 @@ pub(crate) fn good() -> [Case; 2] {
 }
 
 pub(crate) fn cases() -> Vec<Case> {
-    [command_lines(), files(), grids(), values(), outputs()]
-        .into_iter()
-        .flatten()
-        .collect()
+    [
+        command_lines(),
+        files(),
+        grids(),
+        values(),
+        outputs(),
+        media(),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
 }
 
 fn command_lines() -> Vec<Case> {
@@ -295,4 +302,51 @@ fn outputs() -> Vec<Case> {
         ));
     }
     cases
+}
+
+/// Of scenes that name them.
+fn media() -> Vec<Case> {
+    const PLUME: &str = "plume = { resolution = 4 }";
+    let bytes = vdb(&[density(placed()), plane(), colour("Cd")]);
+    let case = |name, file, bytes: &[u8], words| {
+        broken(name, PLUME, &format!("file = {file}"), words).file("cloud.vdb", bytes)
+    };
+    vec![
+        broken(
+            "a scene without its volume",
+            PLUME,
+            "file = 'cloud.vdb'",
+            "scene.toml:18:8 … `media.smoke.file` … cloud.vdb … check the name",
+        ),
+        case(
+            "a scene of a truncated volume",
+            "'cloud.vdb'",
+            &bytes[..bytes.len() / 2],
+            "scene.toml:18:8 … `media.smoke.file` … cloud.vdb",
+        ),
+        case(
+            "a scene of a level set",
+            "'cloud.vdb'\ngrid = 'surface'",
+            &bytes,
+            "scene.toml:18:8 … `media.smoke.file` … cloud.vdb … level set … --fog",
+        ),
+        case(
+            "a scene of a grid that is not there",
+            "'cloud.vdb'\ngrid = 'densty'",
+            &bytes,
+            "scene.toml:19:8 … `media.smoke.grid` … did you mean \"density\"?",
+        ),
+        case(
+            "a scene of a density of vectors",
+            "'cloud.vdb'\ngrid = 'Cd'",
+            &bytes,
+            "scene.toml:18:8 … `media.smoke.file` … cloud.vdb … numbers are needed",
+        ),
+        case(
+            "a volume in a box of the scene",
+            "'cloud.vdb'",
+            &bytes,
+            "scene.toml:19:1 … `media.smoke.min` … unknown key",
+        ),
+    ]
 }
