@@ -4,15 +4,21 @@
 //! between media, passes null surfaces without counting them as bounces, samples free flights and
 //! scatterings, and plays Russian roulette. It estimates nothing. [`Connection`] is what lies
 //! between two given points. [`equiangular`] samples points on a segment seen from a pivot.
+//! [`LightPaths`] emits and traces the light paths of a pass, and a [`Route`] says what their light
+//! has met; [`DirectLight`] is the choice of who finds that which has met nothing.
 //!
 //! # Needs of the host
 //! [`Geometry`](tyndall_core::Geometry), [`Shading`](tyndall_core::Shading) and
-//! [`Media`](tyndall_core::Media).
+//! [`Media`](tyndall_core::Media); light paths need [`LightEmission`](tyndall_core::LightEmission).
 #![forbid(unsafe_code)]
 
 mod connection;
+mod direct;
 pub mod equiangular;
+mod light;
 mod walk;
 
 pub use connection::Connection;
+pub use direct::{ByPhotons, BySampling, DirectLight};
+pub use light::{LightPaths, Route};
 pub use walk::{Event, Scattered, Segment, Site, Vertex, Walk};

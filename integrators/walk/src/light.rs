@@ -1,0 +1,140 @@
+//! The light paths of a pass: emission in strata, on all threads, in order.
+
+use crate::{Event, Vertex, Walk};
+use rayon::prelude::*;
+use sobol_burley::sample_4d;
+use std::sync::atomic::{AtomicU64, Ordering};
+use tyndall_core::{
+    Domain, Geometry, LightEmission, Media, PassContext, PassError, Sampler, Shading, Spectrum,
+    Streams,
+};
+
+/// Points of one low-discrepancy sequence: what `sobol_burley` has.
+const SEQUENCE: u64 = 1 << 16;
+/// Paths that a thread traces at a time.
+const BATCH: u64 = 1 << 10;
+
+/// The light paths of one pass.
+///
+/// What is emitted is stratified: the `u` of
+/// [`sample_emission`](LightEmission::sample_emission) are a scrambled Sobol sequence in six
+/// dimensions (Owen 1995; Burley 2020, "Practical Hash-based Owen Scrambling"), a new one for every
+/// 65,536 paths and every pass. Each point is uniform, so that all means are as with independent
+/// numbers; lights, places on them and directions are only chosen more evenly. What comes after the
+/// emission takes the independent numbers of the path's own stream.
+#[derive(Debug)]
+pub struct LightPaths<'a, 'c, R> {
+    cx: &'a PassContext<'c, R>,
+    paths: u64,
+    max_bytes: u64,
+}
+
+impl<'a, 'c, R: Streams> LightPaths<'a, 'c, R> {
+    /// `paths` of them, of which what is collected may take `max_bytes`.
+    pub fn new(cx: &'a PassContext<'c, R>, paths: u64, max_bytes: u64) -> Self {
+        Self {
+            cx,
+            paths,
+            max_bytes,
+        }
+    }
+
+    /// Traces them on the current rayon pool and collects what `trace` makes of each, in the order
+    /// of the paths: the same on any number of threads. The walks carry flux divided by the number
+    /// of paths.
+    ///
+    /// # Errors
+    /// [`PassError::Cancelled`]; [`PassError::Memory`] as soon as what is collected takes more than
+    /// is allowed.
+    pub fn collect<'h, H, T: Send>(
+        &self,
+        host: &'h H,
+        trace: impl Fn(Walk<'h, H>, &mut R::Sampler, &mut Vec<T>) + Sync,
+    ) -> Result<Vec<T>, PassError>
+    where
+        H: Geometry + Shading + Media + LightEmission,
+    {
+        let (share, bytes) = (1.0 / self.paths as f32, AtomicU64::new(0));
+        let batches = (0..self.paths.div_ceil(BATCH))
+            .into_par_iter()
+            .map(|batch| {
+                let mut found = Vec::new();
+                if self.cx.cancelled() {
+                    return Err(PassError::Cancelled);
+                }
+                let seed = self.seed(batch * BATCH / SEQUENCE);
+                for path in batch * BATCH..self.paths.min((batch + 1) * BATCH) {
+                    if let Some(mut start) = host.sample_emission(point(path, seed)) {
+                        start.flux *= share;
+                        let mut sampler = self.cx.streams.sampler(Domain::LIGHT, path);
+                        trace(Walk::from_light(host, &start), &mut sampler, &mut found);
+                    }
+                }
+                let size = (found.len() * size_of::<T>()) as u64;
+                let needed = bytes.fetch_add(size, Ordering::Relaxed) + size;
+                if needed > self.max_bytes {
+                    return Err(PassError::Memory {
+                        needed,
+                        allowed: self.max_bytes,
+                    });
+                }
+                Ok(found)
+            });
+        let batches = batches.collect::<Result<Vec<_>, _>>()?;
+        Ok(batches.into_iter().flatten().collect())
+    }
+
+    /// The scrambling of a sequence; the streams of paths have smaller indices.
+    fn seed(&self, sequence: u64) -> u32 {
+        let mut stream = (self.cx.streams).sampler(Domain::LIGHT, u64::MAX - sequence);
+        let [high, low] = stream.next().map(|u| (u * 65_536.0) as u32);
+        high << 16 | low
+    }
+}
+
+/// The point of the unit cube from which a path starts.
+fn point(path: u64, seed: u32) -> [f32; 6] {
+    let index = (path % SEQUENCE) as u32;
+    let ([a, b, c, d], [e, f, ..]) = (sample_4d(index, 0, seed), sample_4d(index, 1, seed));
+    [a, b, c, d, e, f]
+}
+
+/// What light has met since it left its source.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Route {
+    /// Nothing: it is what [`sample_direct`](tyndall_core::LightDirect::sample_direct) finds.
+    Direct,
+    /// Surfaces that sent it on in discrete directions, and nothing else: a caustic.
+    Specular,
+    /// A surface or a medium that scattered it into many directions.
+    Diffuse,
+}
+
+impl<H: Geometry + Shading + Media> Walk<'_, H> {
+    /// Walks to the end. `visit` is told every vertex, the flux that arrives there (before the
+    /// scattering, in W) and what the light has met before.
+    pub fn visit(
+        mut self,
+        sampler: &mut impl Sampler,
+        mut visit: impl FnMut(&Vertex<H>, H::Spectrum, Route),
+    ) {
+        let mut route = Route::Direct;
+        loop {
+            let segment = self.segment();
+            match self.fly(segment, sampler) {
+                Event::Interface(_) if !self.throughput.is_black() => {}
+                Event::Interface(_) | Event::Escape(_) => return,
+                Event::Scattering(vertex) => {
+                    visit(&vertex, self.throughput, route);
+                    let Some(scattered) = self.scatter(vertex, sampler) else {
+                        return;
+                    };
+                    route = match (route, scattered.pdf_w) {
+                        (Route::Diffuse, _) | (_, Some(_)) => Route::Diffuse,
+                        (_, None) => Route::Specular,
+                    };
+                }
+            }
+        }
+    }
+}
