@@ -1,0 +1,79 @@
+//! Photons on surfaces.
+
+use glam::Vec3;
+use tyndall_core::{Geometry, PathFrom, Shading, Surface};
+
+/// Half the thickness of the disc in which photons count, over its radius.
+///
+/// A ball around a point near a corner also holds photons of the other wall: half a disc of them at
+/// the corner. In a disc they lie in a strip of 0.1 r × 2 r at the most, 6 % of its area. A surface
+/// of curvature 1/R leaves the disc by r²/(2R) at its edge, so that no photon of it is lost while
+/// r < R/5.
+const FLATNESS: f32 = 0.1;
+
+/// Largest ratio of cosines to the shading and to the geometric normal.
+///
+/// On a plane few photons arrive at grazing angles, ∝ |wi·n|, and the ratio's mean is finite. On a
+/// curved surface the photon's own normal is another, photons arrive at any |wi·n|, and the mean
+/// of 1/|wi·n| would diverge. In uniform light on a plane whose shading normal is δ off, the bound
+/// costs at most sin²δ/400 of the irradiance: 8e-5 at 10°.
+const STEEPEST: f32 = 100.0;
+
+/// A point of a surface that gathers photons, seen from `wo`.
+///
+/// One photon of flux Φ at distance d from it scatters towards `wo` the radiance
+///
+/// ```text
+/// L = f(wo, wi) · |wi·nₛ|/|wi·n| · Φ · K₂(d, r),   wi = −direction of the photon
+/// ```
+///
+/// in W·sr⁻¹·m⁻²: Φ·K₂ is irradiance on the *geometric* surface, which the ratio turns to the one
+/// that shading sees; the ratio is bounded by 100. Jensen (1996), "Global Illumination Using Photon
+/// Maps", eq. 8; the ratio: Veach (1997), "Robust Monte Carlo Methods for Light Transport
+/// Simulation", §5.3.
+#[derive(Clone, Debug)]
+pub struct SurfacePoint<'h, H: Geometry + Shading> {
+    host: &'h H,
+    hit: &'h H::Hit,
+    wo: Vec3,
+    surface: Surface,
+}
+
+impl<'h, H: Geometry + Shading> SurfacePoint<'h, H> {
+    /// The point at `hit`; `wo` is a unit vector away from it, towards the sensor.
+    pub fn new(host: &'h H, hit: &'h H::Hit, wo: Vec3) -> Self {
+        Self {
+            host,
+            hit,
+            wo,
+            surface: host.surface(hit),
+        }
+    }
+
+    /// Where it is.
+    #[inline]
+    pub fn position(&self) -> Vec3 {
+        self.surface.position
+    }
+
+    /// Whether a photon at `offset` from the point, within the radius, lies on this surface rather
+    /// than on another wall: |n·offset| ≤ 0.1 r.
+    #[inline]
+    pub fn is_near(&self, offset: Vec3, radius: f32) -> bool {
+        self.surface.geometric_normal.dot(offset).abs() <= FLATNESS * radius
+    }
+
+    /// The radiance towards `wo` of a photon that travels in `photon_direction` with `flux`, times
+    /// area: multiply it by the weight of a kernel, 1/unit².
+    #[inline]
+    pub fn radiance(&self, photon_direction: Vec3, flux: H::Spectrum) -> H::Spectrum {
+        let wi = -photon_direction;
+        let shading = wi.dot(self.surface.shading_normal).abs();
+        if shading == 0.0 {
+            return H::Spectrum::default();
+        }
+        let geometric = wi.dot(self.surface.geometric_normal).abs();
+        let ratio = (shading / geometric).min(STEEPEST);
+        self.host.bsdf_eval(self.hit, self.wo, wi, PathFrom::Sensor) * flux * ratio
+    }
+}
