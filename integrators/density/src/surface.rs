@@ -1,7 +1,7 @@
 //! Photons on surfaces.
 
 use glam::Vec3;
-use tyndall_core::{Geometry, PathFrom, Shading, Surface};
+use tyndall_core::{Geometry, PathFrom, Shading, Spectrum, Surface};
 
 /// Half the thickness of the disc in which photons count, over its radius.
 ///
@@ -18,6 +18,10 @@ const FLATNESS: f32 = 0.1;
 /// of 1/|wi·n| would diverge. In uniform light on a plane whose shading normal is δ off, the bound
 /// costs at most sin²δ/400 of the irradiance: 8e-5 at 10°.
 const STEEPEST: f32 = 100.0;
+
+/// Scattering function times cosine, per steradian, above which a direction is sharp. A mirror-like
+/// lobe about 10° wide has it; what is diffuse has 1/π at the most.
+const SHARP: f32 = 10.0;
 
 /// A point of a surface that gathers photons, seen from `wo`.
 ///
@@ -68,12 +72,48 @@ impl<'h, H: Geometry + Shading> SurfacePoint<'h, H> {
     #[inline]
     pub fn radiance(&self, photon_direction: Vec3, flux: H::Spectrum) -> H::Spectrum {
         let wi = -photon_direction;
-        let shading = wi.dot(self.surface.shading_normal).abs();
-        if shading == 0.0 {
+        self.scattered(wi) * flux / self.slant(wi)
+    }
+
+    /// As [`SurfacePoint::radiance`], but 0 for a photon from a [sharp](SurfacePoint::is_sharp)
+    /// direction.
+    #[inline]
+    pub fn smooth_radiance(&self, photon_direction: Vec3, flux: H::Spectrum) -> H::Spectrum {
+        let wi = -photon_direction;
+        let scattered = self.scattered(wi);
+        if is_sharp(scattered) {
             return H::Spectrum::default();
         }
-        let geometric = wi.dot(self.surface.geometric_normal).abs();
-        let ratio = (shading / geometric).min(STEEPEST);
-        self.host.bsdf_eval(self.hit, self.wo, wi, PathFrom::Sensor) * flux * ratio
+        scattered * flux / self.slant(wi)
     }
+
+    /// Whether the surface scatters so much of the light from `wi` towards `wo` that photons, which
+    /// come from few directions, would show it as noise: f·|wi·nₛ| > 10 per steradian. A walk that
+    /// goes on in such directions finds their light better.
+    pub fn is_sharp(&self, wi: Vec3) -> bool {
+        is_sharp(self.scattered(wi))
+    }
+
+    /// f(wo, wi)·|wi·nₛ|.
+    #[inline]
+    pub fn scattered(&self, wi: Vec3) -> H::Spectrum {
+        let cosine = wi.dot(self.surface.shading_normal).abs();
+        self.host.bsdf_eval(self.hit, self.wo, wi, PathFrom::Sensor) * cosine
+    }
+
+    /// |wi·n|, no less than 1/100 of the cosine to the shading normal.
+    #[inline]
+    fn slant(&self, wi: Vec3) -> f32 {
+        let Surface {
+            geometric_normal,
+            shading_normal,
+            ..
+        } = self.surface;
+        let least = wi.dot(shading_normal).abs() / STEEPEST;
+        wi.dot(geometric_normal).abs().max(least).max(f32::MIN_POSITIVE)
+    }
+}
+
+fn is_sharp<S: Spectrum>(scattered: S) -> bool {
+    scattered.max_channel() > SHARP
 }

@@ -1,0 +1,41 @@
+//! Light paths as points, for all methods that gather photons.
+//!
+//! [`PhotonMaps::trace`] makes the photons of a pass; a [`Gather`] estimates what a surface or a medium
+//! scatters of them; [`radiance`] is the walk of sight from the sensor to where they are gathered.
+//! Photon mapping in its kinds differs in what it does along segments in media and in its radii: a
+//! [`Sight`]. It estimates nothing by itself.
+//!
+//! # Who finds which light
+//! | light, before it reaches a surface that scatters into many directions | found by |
+//! |---|---|
+//! | unscattered | photons or light samples: [`DirectLight`](tyndall_walk::DirectLight) |
+//! | through specular surfaces alone | photons of [`PhotonMaps::caustic`] |
+//! | scattered | photons of [`PhotonMaps::diffuse`]; from sharp directions of a nearly specular surface, and in final gathering, walks |
+//!
+//! The sensor sees lights straight and through specular surfaces. Light that *media* emit is seen
+//! along every walk of sight, but no photon starts there: it does not light its surroundings.
+//!
+//! # Needs of the host
+//! [`Geometry`](tyndall_core::Geometry), [`Shading`](tyndall_core::Shading),
+//! [`Media`](tyndall_core::Media) and [`LightEmission`](tyndall_core::LightEmission); to sample direct
+//! light [`LightDirect`](tyndall_core::LightDirect).
+//!
+//! # Cost
+//! Linear in light paths; a photon takes 32 bytes in three channels, and 44 more while maps are built.
+//!
+//! # References
+//! - Henrik Wann Jensen (1996), "Global Illumination Using Photon Maps": the maps, final gathering.
+//! - Henrik Wann Jensen, Per Christensen (1998), "Efficient Simulation of Light Transport in Scenes
+//!   with Participating Media Using Photon Maps". Deviations: the medium's map stores light on all
+//!   routes, and what it carries is multiplied by the albedo where it collided.
+#![forbid(unsafe_code)]
+
+mod gather;
+mod maps;
+mod search;
+mod sight;
+
+pub use gather::{Gather, Gathered};
+pub use maps::{Emission, PhotonMaps};
+pub use search::Search;
+pub use sight::{Light, Sight, radiance};

@@ -1,0 +1,115 @@
+//! The photons of a pass.
+
+use tyndall_core::{
+    Geometry, LightEmission, Media, PassContext, PassError, Shading, Spectrum, Streams, SurfaceKind,
+};
+use tyndall_kd_tree::{Photon, Photons};
+use tyndall_walk::{DirectLight, LightPaths, Route, Site, Vertex};
+
+/// How many light paths a pass has, and what their photons may take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Emission {
+    /// Light paths emitted in a pass.
+    pub paths: u64,
+    /// Bytes that photons may take while the maps are built.
+    pub max_bytes: u64,
+}
+
+impl Default for Emission {
+    /// 100,000 paths, 4 GiB.
+    fn default() -> Self {
+        Self {
+            paths: 100_000,
+            max_bytes: 4 << 30,
+        }
+    }
+}
+
+impl Emission {
+    /// The number of the first path of a pass among all that were ever traced.
+    pub fn first_path(&self, pass: u64) -> u64 {
+        pass.saturating_mul(self.paths)
+    }
+}
+
+/// The photons of a pass, by what light met before and where it arrives.
+#[derive(Clone, Debug)]
+pub struct PhotonMaps<S> {
+    /// At surfaces, straight from the lights (if photons bring direct light) or through specular
+    /// surfaces alone.
+    pub caustic: Photons<S>,
+    /// At surfaces, scattered before.
+    pub diffuse: Photons<S>,
+    /// At collisions. Their flux is what the medium scatters: what arrives, times the albedo there.
+    pub volume: Photons<S>,
+}
+
+/// Which map a photon belongs to.
+#[derive(Clone, Copy, PartialEq)]
+enum Map {
+    Caustic,
+    Diffuse,
+    Volume,
+}
+
+impl<S: Spectrum> PhotonMaps<S> {
+    /// Traces the light paths of a pass. Photons are stored at collisions, and at surfaces that
+    /// scatter into many directions; not where the albedo is zero.
+    ///
+    /// Whether a sensor will look there is not asked: mirrors and scattering between surfaces make
+    /// that as dear to know as the picture itself.
+    ///
+    /// # Errors
+    /// See [`LightPaths::collect`]; [`PassError::Unsupported`] for light that is not finite.
+    pub fn trace<H, D, R>(
+        host: &H,
+        cx: &PassContext<'_, R>,
+        emission: Emission,
+    ) -> Result<Self, PassError>
+    where
+        H: Geometry<Spectrum = S> + Shading + Media + LightEmission,
+        D: DirectLight<H>,
+        R: Streams,
+    {
+        let paths = LightPaths::new(cx, emission.paths, emission.max_bytes);
+        let found = paths.collect(host, |walk, sampler, found| {
+            walk.visit(sampler, |vertex, flux, route| {
+                if route != Route::Direct || D::BY_PHOTONS {
+                    found.extend(deposit(host, vertex, flux, route));
+                }
+            });
+        })?;
+        let map = |map| {
+            let photons = found.iter().filter(|(of, _)| *of == map);
+            Photons::build(photons.map(|(_, photon)| *photon).collect())
+                .map_err(|why| PassError::Unsupported(why.to_string()))
+        };
+        Ok(Self {
+            caustic: map(Map::Caustic)?,
+            diffuse: map(Map::Diffuse)?,
+            volume: map(Map::Volume)?,
+        })
+    }
+}
+
+/// What is stored at a vertex.
+fn deposit<H: Geometry + Shading>(
+    host: &H,
+    vertex: &Vertex<H>,
+    arriving: H::Spectrum,
+    route: Route,
+) -> Option<(Map, Photon<H::Spectrum>)> {
+    let (map, flux) = match &vertex.site {
+        Site::Collision(coefficients) => (Map::Volume, arriving * coefficients.albedo()),
+        Site::Surface(hit) if host.surface_kind(hit) != SurfaceKind::Finite => return None,
+        Site::Surface(_) if route == Route::Diffuse => (Map::Diffuse, arriving),
+        Site::Surface(_) => (Map::Caustic, arriving),
+    };
+    let photon = Photon {
+        position: vertex.position,
+        direction: -vertex.wo,
+        flux,
+        medium: vertex.medium,
+    };
+    (!flux.is_black()).then_some((map, photon))
+}

@@ -1,0 +1,136 @@
+//! The walk of sight that photon methods share.
+
+use glam::Vec3;
+use tyndall_core::{
+    Geometry, HostTypes, Media, Medium, Sampler, SensorRay, Shading, Spectrum, SurfaceKind,
+};
+use tyndall_density::SurfacePoint;
+use tyndall_walk::{Event, Segment, Site, Vertex, Walk};
+
+/// What a method estimates along a walk of sight.
+pub trait Sight<H: HostTypes> {
+    /// The radiance that the medium of a segment scatters towards its start, per unit of what the
+    /// walk carries into it, and how the walk goes on from there. `spread` is whether the walk has
+    /// been scattered into one of many directions before.
+    fn segment(
+        &mut self,
+        walk: &mut Walk<'_, H>,
+        segment: Segment<H>,
+        spread: bool,
+        sampler: &mut impl Sampler,
+    ) -> (H::Spectrum, Event<H>);
+
+    /// The radiance scattered where the walk collided, per unit of what it carried there. The walk
+    /// ends here.
+    fn collision(&mut self, vertex: &Vertex<H>, sampler: &mut impl Sampler) -> H::Spectrum;
+
+    /// The radiance that a surface scatters back.
+    fn surface(
+        &mut self,
+        vertex: &Vertex<H>,
+        point: &SurfacePoint<'_, H>,
+        light: Light,
+        sampler: &mut impl Sampler,
+    ) -> H::Spectrum;
+
+    /// Walks that find the light scattered before, where the first surface scatters into many
+    /// directions: final gathering. None if that light is gathered there.
+    fn final_gather(&self) -> u32 {
+        0
+    }
+}
+
+/// Which light a surface gathers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Light {
+    /// All that arrives; but of what was scattered before, no directions that are
+    /// [sharp](SurfacePoint::is_sharp).
+    All,
+    /// Only what was not scattered before: walks find the rest.
+    Unscattered,
+}
+
+/// The radiance that arrives along `start`.
+///
+/// The walk goes on through specular surfaces, and ends where a surface or a medium scatters into
+/// many directions: there photons are gathered. Of a surface that is nearly specular, it goes on in
+/// the sharp directions, for light that was scattered before; light that was not is gathered in
+/// all directions, for no walk could find the lights that cannot be hit.
+pub fn radiance<H: Geometry + Shading + Media>(
+    host: &H,
+    start: &SensorRay<H::Spectrum>,
+    sight: &mut impl Sight<H>,
+    sampler: &mut impl Sampler,
+) -> H::Spectrum {
+    follow(host, Walk::from_sensor(host, start), false, sight, sampler)
+}
+
+/// The radiance that `walk` finds, times what it carries.
+fn follow<'h, H: Geometry + Shading + Media>(
+    host: &'h H,
+    mut walk: Walk<'h, H>,
+    mut spread: bool,
+    sight: &mut impl Sight<H>,
+    sampler: &mut impl Sampler,
+) -> H::Spectrum {
+    let mut radiance = H::Spectrum::default();
+    while !walk.throughput.is_black() {
+        let segment = walk.segment();
+        let (carried, direction) = (walk.throughput, segment.ray.direction);
+        if let Some(medium) = host.medium(segment.medium) {
+            radiance += carried * medium.emitted(&segment.ray, sampler);
+        }
+        let (scattered, event) = sight.segment(&mut walk, segment, spread, sampler);
+        radiance += carried * scattered;
+        if !spread {
+            radiance += walk.throughput * emitted(host, &event, direction);
+        }
+        let vertex = match event {
+            Event::Interface(_) => continue,
+            Event::Escape(_) => break,
+            Event::Scattering(vertex) => vertex,
+        };
+        let Site::Surface(hit) = &vertex.site else {
+            radiance += walk.throughput * sight.collision(&vertex, sampler);
+            break;
+        };
+        if host.surface_kind(hit) != SurfaceKind::Finite {
+            match walk.scatter(vertex, sampler) {
+                Some(_) => continue,
+                None => break,
+            }
+        }
+        let point = SurfacePoint::new(host, hit, vertex.wo);
+        let walks = if spread { 0 } else { sight.final_gather() };
+        let light = if walks > 0 { Light::Unscattered } else { Light::All };
+        radiance += walk.throughput * sight.surface(&vertex, &point, light, sampler);
+        if walks > 0 {
+            for _ in 0..walks {
+                let mut onward = walk.clone();
+                if let Some(scattered) = onward.scatter(vertex.clone(), sampler) {
+                    let spread = scattered.pdf_w.is_some();
+                    radiance += follow(host, onward, spread, sight, sampler) / walks as f32;
+                }
+            }
+            break;
+        }
+        match walk.scatter(vertex.clone(), sampler) {
+            Some(scattered) if scattered.pdf_w.is_none() => {}
+            Some(scattered) if point.is_sharp(scattered.wi) => spread = true,
+            Some(_) | None => break,
+        }
+    }
+    radiance
+}
+
+/// What the end of a segment emits, seen along `direction`.
+fn emitted<H: Shading>(host: &H, event: &Event<H>, direction: Vec3) -> H::Spectrum {
+    match event {
+        Event::Interface(hit) => host.emitted(hit, -direction),
+        Event::Escape(direction) => host.background(*direction),
+        Event::Scattering(vertex) => match &vertex.site {
+            Site::Surface(hit) => host.emitted(hit, -direction),
+            Site::Collision(_) => H::Spectrum::default(),
+        },
+    }
+}
