@@ -37,12 +37,13 @@ fn halve(items: &mut [Item], start: usize, unit: usize, ends: &mut [usize]) {
     let (left, right) = items.split_at_mut(at);
     let (left_ends, right_ends) = ends.split_at_mut(ends.len() / 2);
     let in_parallel = at > TASK;
-    let left = || halve(left, start, unit, left_ends);
-    let right = || halve(right, start + at, unit, right_ends);
+    let mut left = || halve(left, start, unit, left_ends);
+    let mut right = || halve(right, start + at, unit, right_ends);
     if in_parallel {
         rayon::join(left, right);
     } else {
-        (left(), right());
+        left();
+        right();
     }
 }
 
