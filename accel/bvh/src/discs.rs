@@ -1,0 +1,181 @@
+//! Photon discs that face the ray, and the spheres around them.
+
+use crate::{BuildError, Bvh, Invalid, LANES, LIMIT, Quality};
+use glam::Vec3;
+use rayon::prelude::*;
+use tyndall_core::{Aabb, Ray};
+use wide::f32x8;
+
+/// Discs of given centres and radii which turn to face every ray that meets them.
+#[derive(Clone, Debug)]
+pub struct Discs {
+    bvh: Bvh,
+    blocks: Vec<Block>,
+    order: Vec<u32>,
+}
+
+/// Eight discs side by side; the missing ones have no radius.
+#[derive(Clone, Debug, Default)]
+struct Block {
+    center: [f32x8; 3],
+    radius_squared: f32x8,
+}
+
+impl Discs {
+    /// Discs of `radii` around `centers`. Those of radius 0 are never met.
+    ///
+    /// # Errors
+    /// A centre or a radius is not finite or beyond 1e18, a radius is negative, there is not one
+    /// radius a centre, or there are more than `u32::MAX`.
+    pub fn build(centers: &[Vec3], radii: &[f32], quality: Quality) -> Result<Self, BuildError> {
+        if centers.len() != radii.len() {
+            return Err(BuildError::Lengths {
+                centers: centers.len(),
+                radii: radii.len(),
+            });
+        }
+        if let Some(index) = radii.iter().position(|r| !(0.0..=LIMIT).contains(r)) {
+            return Err(BuildError::Radius { index });
+        }
+        let bounds: Vec<Aabb> = centers
+            .par_iter()
+            .zip(radii)
+            .map(|(&center, &radius)| around(center, radius))
+            .collect();
+        let (bvh, order) = Bvh::build(&bounds, quality)?;
+        let blocks = order
+            .par_chunks(LANES)
+            .map(|slots| Block::new(slots.iter().map(|&i| (centers[i as usize], radii[i as usize]))))
+            .collect();
+        Ok(Self { bvh, blocks, order })
+    }
+
+    /// The index given to [`Discs::build`] of the disc in each slot.
+    pub fn order(&self) -> &[u32] {
+        &self.order
+    }
+
+    /// Calls `visit(slot, t, d²)` once for every disc that the ray passes through at distance `t`
+    /// in `[0, t_max]`; d² < r² is its squared distance from the centre there.
+    #[inline]
+    pub fn along(&self, ray: &Ray, mut visit: impl FnMut(usize, f32, f32)) {
+        let origin = ray.origin.to_array().map(f32x8::splat);
+        let direction = ray.direction.to_array().map(f32x8::splat);
+        let t_max = f32x8::splat(ray.t_max);
+        self.bvh.traverse(ray, |slots| {
+            let block = &self.blocks[slots.start / LANES];
+            let (t, d2) = block.closest(&origin, &direction);
+            let hit = d2.simd_lt(block.radius_squared)
+                & t.simd_ge(f32x8::splat(0.0))
+                & t.simd_le(t_max);
+            let mut hit = hit.to_bitmask();
+            let (t, d2) = (t.to_array(), d2.to_array());
+            while hit != 0 {
+                let lane = hit.trailing_zeros() as usize & (LANES - 1);
+                hit &= hit - 1;
+                visit(slots.start + lane, t[lane], d2[lane]);
+            }
+        });
+    }
+
+    /// Calls `visit(slot, d², t0, t1)` once for every sphere that the ray meets within
+    /// `[0, t_max]`: the squared distance of its centre from the line of the ray, and the ends of
+    /// the chord, cut to that range.
+    #[inline]
+    pub fn chords(&self, ray: &Ray, mut visit: impl FnMut(usize, f32, f32, f32)) {
+        let origin = ray.origin.to_array().map(f32x8::splat);
+        let direction = ray.direction.to_array().map(f32x8::splat);
+        let t_max = f32x8::splat(ray.t_max);
+        self.bvh.traverse(ray, |slots| {
+            let block = &self.blocks[slots.start / LANES];
+            let (t, d2) = block.closest(&origin, &direction);
+            let half = (block.radius_squared - d2).fast_max(f32x8::splat(0.0)).sqrt();
+            let start = (t - half).fast_max(f32x8::splat(0.0));
+            let end = (t + half).fast_min(t_max);
+            let mut hit = (d2.simd_lt(block.radius_squared) & start.simd_lt(end)).to_bitmask();
+            let (d2, start, end) = (d2.to_array(), start.to_array(), end.to_array());
+            while hit != 0 {
+                let lane = hit.trailing_zeros() as usize & (LANES - 1);
+                hit &= hit - 1;
+                visit(slots.start + lane, d2[lane], start[lane], end[lane]);
+            }
+        });
+    }
+
+    /// The centre of the disc in a slot.
+    ///
+    /// # Panics
+    /// There is no such slot.
+    pub fn center(&self, slot: usize) -> Vec3 {
+        assert!(slot < self.len(), "slot {slot} of {}", self.len());
+        let block = &self.blocks[slot / LANES];
+        Vec3::from_array(block.center.map(|axis| axis.to_array()[slot % LANES]))
+    }
+
+    /// The radius of the disc in a slot.
+    ///
+    /// # Panics
+    /// There is no such slot.
+    pub fn radius(&self, slot: usize) -> f32 {
+        assert!(slot < self.len(), "slot {slot} of {}", self.len());
+        self.blocks[slot / LANES].radius_squared.to_array()[slot % LANES].sqrt()
+    }
+
+    /// Discs, those of radius 0 included.
+    pub fn len(&self) -> usize {
+        self.order.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.order.is_empty()
+    }
+
+    /// Bytes of nodes, discs and order.
+    pub fn bytes(&self) -> usize {
+        self.bvh.bytes()
+            + size_of_val(self.blocks.as_slice())
+            + size_of_val(self.order.as_slice())
+    }
+
+    /// As [`Bvh::validate`].
+    ///
+    /// # Errors
+    /// The first fault found.
+    pub fn validate(&self) -> Result<(), Invalid> {
+        self.bvh
+            .validate(|slot| around(self.center(slot), self.radius(slot)))
+    }
+}
+
+/// The box of a sphere.
+fn around(center: Vec3, radius: f32) -> Aabb {
+    Aabb {
+        min: center - radius,
+        max: center + radius,
+    }
+}
+
+impl Block {
+    fn new(discs: impl Iterator<Item = (Vec3, f32)>) -> Self {
+        let mut block = Self::default();
+        for (lane, (center, radius)) in discs.enumerate() {
+            for (lanes, x) in block.center.iter_mut().zip(center.to_array()) {
+                lanes.as_mut_array()[lane] = x;
+            }
+            block.radius_squared.as_mut_array()[lane] = radius * radius;
+        }
+        block
+    }
+
+    /// Where the line passes the centres, and the squared distance there. From the difference and
+    /// its part across the ray: |w|² − (w·d)² would cancel.
+    #[inline]
+    fn closest(&self, origin: &[f32x8; 3], direction: &[f32x8; 3]) -> (f32x8, f32x8) {
+        let [x, y, z] = [0, 1, 2].map(|axis| self.center[axis] - origin[axis]);
+        let [dx, dy, dz] = *direction;
+        let t = x * dx + y * dy + z * dz;
+        let [x, y, z] = [x - t * dx, y - t * dy, z - t * dz];
+        (t, x * x + y * y + z * z)
+    }
+}

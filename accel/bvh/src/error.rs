@@ -1,0 +1,71 @@
+//! What is wrong with primitives, and with trees.
+
+use thiserror::Error;
+
+/// Why a tree could not be built. `index` is that of the primitive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum BuildError {
+    /// A coordinate is NaN, infinite or beyond 1e18.
+    #[error("primitive {index}: its place is not finite or beyond 1e18; correct it")]
+    NotFinite {
+        /// The primitive.
+        index: usize,
+    },
+    /// A box holds no point.
+    #[error("primitive {index}: its box is empty; leave the primitive out")]
+    Empty {
+        /// The primitive.
+        index: usize,
+    },
+    /// A radius is negative, NaN, infinite or beyond 1e18.
+    #[error("primitive {index}: its radius is negative, not finite or beyond 1e18; correct it")]
+    Radius {
+        /// The primitive.
+        index: usize,
+    },
+    /// One radius a centre is needed.
+    #[error("{radii} radii for {centers} centres; give one each")]
+    Lengths {
+        /// Centres given.
+        centers: usize,
+        /// Radii given.
+        radii: usize,
+    },
+    /// Slots are counted in 32 bits.
+    #[error("{count} primitives, but a tree holds no more than {}; trace fewer", u32::MAX)]
+    TooMany {
+        /// Primitives given.
+        count: usize,
+    },
+}
+
+/// How a tree is broken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum Invalid {
+    /// A child is not a node behind its parent, or not a leaf.
+    #[error("node {node} refers to child {child}, which is no node behind it and no leaf")]
+    Child {
+        /// The node.
+        node: usize,
+        /// What it refers to.
+        child: u32,
+    },
+    /// A leaf or a node is met another number of times than once.
+    #[error("{found} of {expected} nodes and leaves are met once")]
+    Met {
+        /// Nodes and leaves that are met, repetitions counted.
+        found: usize,
+        /// Nodes and leaves there are.
+        expected: usize,
+    },
+    /// A box does not hold what it should.
+    #[error("node {node}: the box of child {lane} does not hold what is below it")]
+    Outside {
+        /// The node.
+        node: usize,
+        /// The child.
+        lane: usize,
+    },
+}

@@ -1,0 +1,111 @@
+//! Nodes of eight boxes, tested together.
+
+use crate::LANES;
+use glam::Vec3;
+use tyndall_core::{Aabb, Ray};
+use wide::f32x8;
+
+/// What a child is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Child {
+    /// Another node, so many nodes behind this one: subtrees can be moved as a whole.
+    Node(u32),
+    /// A block of slots.
+    Block(u32),
+}
+
+/// Set in children that are blocks; there are no more than 2²⁹.
+const BLOCK: u32 = 1 << 31;
+
+/// Eight boxes side by side. Those of missing children hold nothing.
+#[derive(Clone, Debug)]
+pub(crate) struct Node {
+    /// Smallest and largest corners: `planes[1][2]` are the largest z.
+    planes: [[f32x8; 3]; 2],
+    children: [u32; LANES],
+}
+
+impl Node {
+    pub(crate) const EMPTY: Self = Self {
+        planes: [
+            [f32x8::new([f32::INFINITY; LANES]); 3],
+            [f32x8::new([f32::NEG_INFINITY; LANES]); 3],
+        ],
+        children: [BLOCK; LANES],
+    };
+
+    /// Sets a child and its box. The box grows by one unit in the last place: a ray in the plane
+    /// of a face is inside, and 0·∞ in [`Slabs`] can only arise outside.
+    pub(crate) fn set(&mut self, lane: usize, bounds: Aabb, child: Child) {
+        for axis in 0..3 {
+            self.planes[0][axis].as_mut_array()[lane] = bounds.min[axis].next_down();
+            self.planes[1][axis].as_mut_array()[lane] = bounds.max[axis].next_up();
+        }
+        self.children[lane] = match child {
+            Child::Node(offset) => offset,
+            Child::Block(block) => block | BLOCK,
+        };
+    }
+
+    #[inline]
+    pub(crate) fn child(&self, lane: usize) -> Child {
+        let child = self.children[lane & (LANES - 1)];
+        if child & BLOCK == 0 {
+            Child::Node(child)
+        } else {
+            Child::Block(child & !BLOCK)
+        }
+    }
+
+    /// The box of a child.
+    pub(crate) fn bounds(&self, lane: usize) -> Aabb {
+        let corner = |side: usize| {
+            Vec3::from_array([0, 1, 2].map(|axis| self.planes[side][axis].to_array()[lane]))
+        };
+        Aabb {
+            min: corner(0),
+            max: corner(1),
+        }
+    }
+
+    /// A bit for every child whose box the ray meets.
+    #[inline]
+    pub(crate) fn meets(&self, ray: &Slabs) -> u32 {
+        let mut near = f32x8::splat(0.0);
+        let mut far = f32x8::splat(f32::INFINITY);
+        for axis in 0..3 {
+            let entry = ray.negative[axis] & 1;
+            let [entry, exit] = [&self.planes[entry][axis], &self.planes[1 - entry][axis]];
+            near = near.fast_max((*entry - ray.origin[axis]) * ray.inverse[axis]);
+            far = far.fast_min((*exit - ray.origin[axis]) * ray.inverse[axis]);
+        }
+        near.simd_le((far * f32x8::splat(ROUNDING)).fast_min(ray.t_max))
+            .to_bitmask()
+    }
+}
+
+/// Of the three operations of a distance, twice: 1 + 2γ₃ (Ize 2013, "Robust BVH ray traversal").
+const ROUNDING: f32 = 1.0 + 4e-7;
+
+/// A ray, prepared for [`Node::meets`].
+pub(crate) struct Slabs {
+    origin: [f32x8; 3],
+    /// 1/direction; infinite across the axes that the ray does not move along.
+    inverse: [f32x8; 3],
+    /// 1 where the direction is negative: the ray enters through the largest plane.
+    negative: [usize; 3],
+    t_max: f32x8,
+}
+
+impl Slabs {
+    #[inline]
+    pub(crate) fn new(ray: &Ray) -> Self {
+        let inverse = ray.direction.recip();
+        Self {
+            origin: ray.origin.to_array().map(f32x8::splat),
+            inverse: inverse.to_array().map(f32x8::splat),
+            negative: inverse.to_array().map(|d| usize::from(d < 0.0)),
+            t_max: f32x8::splat(ray.t_max),
+        }
+    }
+}
