@@ -45,7 +45,13 @@ impl Discs {
         let (bvh, order) = Bvh::build(&bounds, quality)?;
         let blocks = order
             .par_chunks(LANES)
-            .map(|slots| Block::new(slots.iter().map(|&i| (centers[i as usize], radii[i as usize]))))
+            .map(|slots| {
+                Block::new(
+                    slots
+                        .iter()
+                        .map(|&i| (centers[i as usize], radii[i as usize])),
+                )
+            })
             .collect();
         Ok(Self { bvh, blocks, order })
     }
@@ -65,9 +71,8 @@ impl Discs {
         self.bvh.traverse(ray, |slots| {
             let block = &self.blocks[slots.start / LANES];
             let (t, d2) = block.closest(&origin, &direction);
-            let hit = d2.simd_lt(block.radius_squared)
-                & t.simd_ge(f32x8::splat(0.0))
-                & t.simd_le(t_max);
+            let hit =
+                d2.simd_lt(block.radius_squared) & t.simd_ge(f32x8::splat(0.0)) & t.simd_le(t_max);
             let mut hit = hit.to_bitmask();
             let (t, d2) = (t.to_array(), d2.to_array());
             while hit != 0 {
@@ -89,7 +94,9 @@ impl Discs {
         self.bvh.traverse(ray, |slots| {
             let block = &self.blocks[slots.start / LANES];
             let (t, d2) = block.closest(&origin, &direction);
-            let half = (block.radius_squared - d2).fast_max(f32x8::splat(0.0)).sqrt();
+            let half = (block.radius_squared - d2)
+                .fast_max(f32x8::splat(0.0))
+                .sqrt();
             let start = (t - half).fast_max(f32x8::splat(0.0));
             let end = (t + half).fast_min(t_max);
             let mut hit = (d2.simd_lt(block.radius_squared) & start.simd_lt(end)).to_bitmask();
@@ -133,9 +140,7 @@ impl Discs {
 
     /// Bytes of nodes, discs and order.
     pub fn bytes(&self) -> usize {
-        self.bvh.bytes()
-            + size_of_val(self.blocks.as_slice())
-            + size_of_val(self.order.as_slice())
+        self.bvh.bytes() + size_of_val(self.blocks.as_slice()) + size_of_val(self.order.as_slice())
     }
 
     /// As [`Bvh::validate`].

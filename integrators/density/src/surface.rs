@@ -110,7 +110,10 @@ impl<'h, H: Geometry + Shading> SurfacePoint<'h, H> {
             ..
         } = self.surface;
         let least = wi.dot(shading_normal).abs() / STEEPEST;
-        wi.dot(geometric_normal).abs().max(least).max(f32::MIN_POSITIVE)
+        wi.dot(geometric_normal)
+            .abs()
+            .max(least)
+            .max(f32::MIN_POSITIVE)
     }
 }
 

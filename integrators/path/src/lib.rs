@@ -210,7 +210,7 @@ where
                         radiance += walk.throughput * gather.at_surface(&vertex, hit, sampler);
                     }
                     last = vertex.position;
-                    match walk.scatter(vertex, sampler) {
+                    match walk.scatter(&vertex, sampler) {
                         Some(scattered) => pdf_w = scattered.pdf_w,
                         None => break,
                     }

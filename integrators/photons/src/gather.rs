@@ -26,7 +26,11 @@ pub struct Gather {
 impl Gather {
     /// Allocates the room of its searches, once.
     pub fn new(search: Search, kernel: Kernel) -> Self {
-        Self { search, kernel, room: search.room() }
+        Self {
+            search,
+            kernel,
+            room: search.room(),
+        }
     }
 
     /// Radiance that a surface scatters back of the photons on it:
@@ -40,16 +44,30 @@ impl Gather {
     ) -> Gathered<H::Spectrum> {
         let mut gathered = Gathered::default();
         let center = point.position();
-        let Self { search, kernel, room } = self;
-        search.visit(photons, center, room, |_| true, |slot, distance_squared, radius| {
-            if !point.is_near(photons.position(slot) - center, radius) {
-                return;
-            }
-            let (direction, flux) = (photons.direction(slot), photons.flux(slot));
-            let radiance = if sharp { point.radiance(direction, flux) } else { point.smooth_radiance(direction, flux) };
-            gathered.photons += 1;
-            gathered.radiance += radiance * kernel.weight_2d(distance_squared, radius);
-        });
+        let Self {
+            search,
+            kernel,
+            room,
+        } = self;
+        search.visit(
+            photons,
+            center,
+            room,
+            |_| true,
+            |slot, distance_squared, radius| {
+                if !point.is_near(photons.position(slot) - center, radius) {
+                    return;
+                }
+                let (direction, flux) = (photons.direction(slot), photons.flux(slot));
+                let radiance = if sharp {
+                    point.radiance(direction, flux)
+                } else {
+                    point.smooth_radiance(direction, flux)
+                };
+                gathered.photons += 1;
+                gathered.radiance += radiance * kernel.weight_2d(distance_squared, radius);
+            },
+        );
         gathered
     }
 
@@ -65,12 +83,23 @@ impl Gather {
     ) -> Gathered<M::Spectrum> {
         let mut gathered = Gathered::default();
         let phase = medium.phase(position);
-        let Self { search, kernel, room } = self;
-        search.visit(photons, position, room, |slot| photons.medium(slot) == id, |slot, distance_squared, radius| {
-            gathered.photons += 1;
-            let scattered = in_scattered(&phase, wo, photons.direction(slot), photons.flux(slot));
-            gathered.radiance += scattered * kernel.weight_3d(distance_squared, radius);
-        });
+        let Self {
+            search,
+            kernel,
+            room,
+        } = self;
+        search.visit(
+            photons,
+            position,
+            room,
+            |slot| photons.medium(slot) == id,
+            |slot, distance_squared, radius| {
+                gathered.photons += 1;
+                let scattered =
+                    in_scattered(&phase, wo, photons.direction(slot), photons.flux(slot));
+                gathered.radiance += scattered * kernel.weight_3d(distance_squared, radius);
+            },
+        );
         gathered
     }
 }

@@ -54,10 +54,7 @@ impl Search {
             } => {
                 photons.nearest(center, max_radius, accept, room);
                 let found = room.found();
-                let farthest = found
-                    .iter()
-                    .map(|n| n.distance_squared)
-                    .fold(0.0, f32::max);
+                let farthest = found.iter().map(|n| n.distance_squared).fold(0.0, f32::max);
                 let full = found.len() == count || max_radius == f32::INFINITY;
                 let radius = shrink * if full { farthest.sqrt() } else { max_radius };
                 for neighbour in found {

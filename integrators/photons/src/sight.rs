@@ -1,14 +1,12 @@
 //! The walk of sight that photon methods share.
 
 use glam::Vec3;
-use tyndall_core::{
-    Geometry, HostTypes, Media, Medium, Sampler, SensorRay, Shading, Spectrum, SurfaceKind,
-};
+use tyndall_core::{Geometry, Media, Medium, Sampler, SensorRay, Shading, Spectrum, SurfaceKind};
 use tyndall_density::SurfacePoint;
 use tyndall_walk::{Event, Segment, Site, Vertex, Walk};
 
 /// What a method estimates along a walk of sight.
-pub trait Sight<H: HostTypes> {
+pub trait Sight<H: Geometry + Shading> {
     /// The radiance that the medium of a segment scatters towards its start, per unit of what the
     /// walk carries into it, and how the walk goes on from there. `spread` is whether the walk has
     /// been scattered into one of many directions before.
@@ -95,26 +93,30 @@ fn follow<'h, H: Geometry + Shading + Media>(
             break;
         };
         if host.surface_kind(hit) != SurfaceKind::Finite {
-            match walk.scatter(vertex, sampler) {
+            match walk.scatter(&vertex, sampler) {
                 Some(_) => continue,
                 None => break,
             }
         }
         let point = SurfacePoint::new(host, hit, vertex.wo);
         let walks = if spread { 0 } else { sight.final_gather() };
-        let light = if walks > 0 { Light::Unscattered } else { Light::All };
+        let light = if walks > 0 {
+            Light::Unscattered
+        } else {
+            Light::All
+        };
         radiance += walk.throughput * sight.surface(&vertex, &point, light, sampler);
         if walks > 0 {
             for _ in 0..walks {
                 let mut onward = walk.clone();
-                if let Some(scattered) = onward.scatter(vertex.clone(), sampler) {
+                if let Some(scattered) = onward.scatter(&vertex, sampler) {
                     let spread = scattered.pdf_w.is_some();
                     radiance += follow(host, onward, spread, sight, sampler) / walks as f32;
                 }
             }
             break;
         }
-        match walk.scatter(vertex.clone(), sampler) {
+        match walk.scatter(&vertex, sampler) {
             Some(scattered) if scattered.pdf_w.is_none() => {}
             Some(scattered) if point.is_sharp(scattered.wi) => spread = true,
             Some(_) | None => break,

@@ -126,7 +126,7 @@ impl<H: Geometry + Shading + Media> Walk<'_, H> {
                 Event::Interface(_) | Event::Escape(_) => return,
                 Event::Scattering(vertex) => {
                     visit(&vertex, self.throughput, route);
-                    let Some(scattered) = self.scatter(vertex, sampler) else {
+                    let Some(scattered) = self.scatter(&vertex, sampler) else {
                         return;
                     };
                     route = match (route, scattered.pdf_w) {

@@ -12,13 +12,12 @@ use tyndall_core::{
 /// loop {
 ///     let segment = walk.segment();           // up to the next surface
 ///     match walk.fly(segment, sampler) {      // or no further than a collision
-///         Event::Scattering(vertex) => …      // gather, then walk.scatter(vertex, …) or stop
+///         Event::Scattering(vertex) => …      // gather, then walk.scatter(&vertex, …) or stop
 ///         Event::Interface(hit) => …          // a null surface: the walk is already behind it
 ///         Event::Escape(direction) => break,
 ///     }
 /// }
 /// ```
-#[derive(Clone)]
 pub struct Walk<'h, H: HostTypes> {
     host: &'h H,
     from: PathFrom,
@@ -38,7 +37,6 @@ pub struct Walk<'h, H: HostTypes> {
 }
 
 /// A stretch of a walk inside one medium, up to the next surface or to infinity.
-#[derive(Clone)]
 pub struct Segment<H: HostTypes> {
     /// `t_max` is the distance of the surface.
     pub ray: Ray,
@@ -49,7 +47,6 @@ pub struct Segment<H: HostTypes> {
 }
 
 /// Where light scatters.
-#[derive(Clone)]
 pub struct Vertex<H: HostTypes> {
     /// Position.
     pub position: Vec3,
@@ -64,12 +61,18 @@ pub struct Vertex<H: HostTypes> {
 }
 
 /// What is at a vertex.
-#[derive(Clone)]
 pub enum Site<H: HostTypes> {
     /// A collision with the medium.
     Collision(Coefficients<H::Spectrum>),
     /// A surface.
     Surface(H::Hit),
+}
+
+// Not derived, for that would ask the host to be `Clone` too.
+impl<H: HostTypes> Clone for Walk<'_, H> {
+    fn clone(&self) -> Self {
+        Self { ..*self }
+    }
 }
 
 impl<H: HostTypes> Vertex<H> {
@@ -88,7 +91,6 @@ impl<H: HostTypes> Vertex<H> {
 }
 
 /// How a segment ended.
-#[derive(Clone)]
 pub enum Event<H: HostTypes> {
     /// At a collision or a surface that scatters.
     Scattering(Vertex<H>),
@@ -219,8 +221,8 @@ impl<'h, H: Geometry + Shading + Media> Walk<'h, H> {
 
     /// Leaves the vertex in a sampled direction; `None` if the walk ends here, by absorption or by
     /// Russian roulette.
-    pub fn scatter(&mut self, vertex: Vertex<H>, sampler: &mut impl Sampler) -> Option<Scattered> {
-        let (pdf_w, eta) = match vertex.site {
+    pub fn scatter(&mut self, vertex: &Vertex<H>, sampler: &mut impl Sampler) -> Option<Scattered> {
+        let (pdf_w, eta) = match &vertex.site {
             Site::Collision(coefficients) => {
                 let medium = self.host.medium(vertex.medium)?;
                 let phase = medium
@@ -234,11 +236,11 @@ impl<'h, H: Geometry + Shading + Media> Walk<'h, H> {
             Site::Surface(hit) => {
                 let sample = self
                     .host
-                    .bsdf_sample(&hit, vertex.wo, sampler.next(), self.from)?;
+                    .bsdf_sample(hit, vertex.wo, sampler.next(), self.from)?;
                 self.throughput *= sample.weight;
                 self.eta_squared *= sample.eta * sample.eta;
-                self.medium = self.host.medium_across(&hit, sample.wi, vertex.medium);
-                self.ray = self.host.spawn(&Anchor::Surface(hit), sample.wi);
+                self.medium = self.host.medium_across(hit, sample.wi, vertex.medium);
+                self.ray = self.host.spawn(&vertex.anchor(), sample.wi);
                 ((!sample.delta).then_some(sample.pdf_w), sample.eta)
             }
         };

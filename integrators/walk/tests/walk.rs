@@ -47,7 +47,7 @@ fn light_is_neither_lost_nor_made() {
                 panic!("there are no surfaces");
             };
             sum += walk.throughput * (Rgb::splat(1.0) - c.albedo());
-            if walk.scatter(vertex, &mut sampler).is_none() {
+            if walk.scatter(&vertex, &mut sampler).is_none() {
                 break;
             }
         }
