@@ -29,8 +29,8 @@ const GAUSSIAN: f32 = 4.5;
 /// Radii outside [`RADII`] have weight 0: within a radius of 0 there is nothing, over an infinite
 /// one the density is 0. What is not a number has weight 0 too.
 ///
-/// Sources: Silverman (1986), "Density Estimation for Statistics and Data Analysis", §4.2 for the
-/// family of (1 − u²)ᵏ; Jensen (2001), "Realistic Image Synthesis Using Photon Mapping", §7.2.1 for
+/// Sources: Silverman (1986), "Density Estimation for Statistics and Data Analysis", for the
+/// family of (1 − u²)ᵏ; Jensen (2001), "Realistic Image Synthesis Using Photon Mapping", for
 /// cone and Gaussian. Deviations: the cone reaches 0 at the radius (Jensen's k = 1), and the
 /// Gaussian is normalised for its cut at the radius, which Jensen's constants (0.918, 1.953) are
 /// not.

@@ -12,8 +12,8 @@ use tyndall_core::{PhaseFunction, Spectrum};
 /// See the table of the crate.
 ///
 /// Jensen & Christensen (1998), "Efficient Simulation of Light Transport in Scenes with
-/// Participating Media using Photon Maps", eq. 10; Jarosz, Zwicker & Jensen (2008), "The Beam
-/// Radiance Estimate for Volumetric Photon Mapping", eq. 13.
+/// Participating Media using Photon Maps"; Jarosz, Zwicker & Jensen (2008), "The Beam
+/// Radiance Estimate for Volumetric Photon Mapping".
 ///
 /// ```
 /// use glam::Vec3;

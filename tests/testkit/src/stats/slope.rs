@@ -1,6 +1,6 @@
 //! Orders of convergence.
 
-/// A power of a power law, fitted.
+/// The power of a fitted power law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slope {
     /// d ln y / d ln x.
