@@ -61,6 +61,7 @@ mod gather;
 mod march;
 
 pub use tyndall_density::Kernel;
+pub use tyndall_walk::{ByPhotons, BySampling};
 
 use gather::Gathering;
 use march::March;
@@ -71,7 +72,7 @@ use tyndall_core::{
 };
 use tyndall_density::RADII;
 use tyndall_photons::{Emission, PhotonMaps, Search, radiance};
-use tyndall_walk::{ByPhotons, BySampling, DirectLight};
+use tyndall_walk::DirectLight;
 
 /// Photon mapping. `D` says who finds the light that nothing has scattered.
 #[derive(Clone, Copy, Debug)]

@@ -6,6 +6,11 @@ use tyndall_core::{Majorant, Medium, Ray, Sampler, Spectrum};
 /// Transmittance below which a channel plays Russian roulette: it goes on with this one, or ends.
 const LITTLE: f32 = 0.1;
 
+/// Steps from which a march may end at any, though it has lost nothing: with loose majorants, or a
+/// clear channel in a medium without end, it would take too many. So many times as far, it has gone
+/// on with a probability of one over their square.
+const PATIENCE: f32 = 1000.0;
+
 /// How a ray is marched: in steps of bounded optical depth, one jittered point in each.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct March {
@@ -19,11 +24,11 @@ impl March {
     /// An unbiased estimate of ∫ Tr(t) `source`(t) dt over the ray, of the channels that `carried`
     /// has. `source` is asked at distances along the ray, in their order.
     ///
-    /// Points are stratified in the optical depth of the majorant, which also gives their density
-    /// per length: none lie where there is no substance. A channel that has lost nine tenths plays
-    /// Russian roulette before each step, so that opaque and infinite segments end. Of a
-    /// homogeneous medium the channels are known: one that does not scatter is not marched for, and
-    /// once the denser ones have ended the steps are those of the others.
+    /// Points are stratified in the optical depth of the majorant, one in each step: none lie where
+    /// there is no substance. A channel that has lost nine tenths plays Russian roulette before each
+    /// step, so that opaque and infinite segments end. The channels of a homogeneous medium are
+    /// known: one that does not scatter is not marched for, and once the denser ones have ended the
+    /// steps are those of the others.
     pub(crate) fn integrate<M: Medium, T: Sampler>(
         self,
         medium: &M,
@@ -50,6 +55,7 @@ impl March {
                 None => carried.map(|carried| live(carried, 1.0)),
             },
             reached: 0.0,
+            steps: 0.0,
             next: Next::Step,
             ahead: 0.0,
             steps_per_depth: 0.0,
@@ -95,6 +101,8 @@ struct Walker<'a, M: Medium, T, F> {
     transmittance: M::Spectrum,
     /// Distance of the last point.
     reached: f64,
+    /// Begun so far.
+    steps: f32,
     next: Next,
     ahead: f64,
     steps_per_depth: f64,
@@ -136,6 +144,14 @@ impl<M: Medium, T: Sampler, F: FnMut(f32, &mut T) -> M::Spectrum> Walker<'_, M, 
 
     /// Plays Russian roulette, and chooses the length of the step and the point in it.
     fn begin_step(&mut self) -> ControlFlow<()> {
+        self.steps += 1.0;
+        if self.steps > PATIENCE {
+            let survival = 1.0 - 2.0 / self.steps;
+            if self.sampler.next_1d() >= survival {
+                return ControlFlow::Break(());
+            }
+            self.transmittance = self.transmittance / survival;
+        }
         let chance = LITTLE * self.sampler.next_1d();
         self.transmittance = self.transmittance.map(|t| match t {
             t if t >= LITTLE => t,
