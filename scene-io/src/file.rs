@@ -3,6 +3,7 @@
 mod document;
 mod film;
 mod include;
+mod integrator;
 mod light;
 mod material;
 mod medium;
@@ -15,10 +16,10 @@ mod texture;
 mod view;
 mod volume;
 
+pub use integrator::{IntegratorConfig, PhotonConfig, Scattering};
 pub(crate) use material::Material;
 pub(crate) use reader::nearest;
 pub(crate) use shape::{Solid, around_points};
-pub use view::{IntegratorConfig, Scattering};
 
 use crate::camera::Camera;
 use crate::files::Files;
@@ -161,7 +162,7 @@ impl SceneFile {
                 .chain(lamps)
                 .collect(),
             origin,
-            integrator: view::read_integrator(table.optional("integrator").as_ref())?,
+            integrator: integrator::read(table.optional("integrator").as_ref())?,
             notices: shapes
                 .notices
                 .into_iter()

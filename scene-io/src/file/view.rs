@@ -1,4 +1,4 @@
-//! `[camera]` and `[integrator]`.
+//! `[camera]`.
 
 use super::film;
 use super::material::filling;
@@ -7,31 +7,6 @@ use crate::camera::{Across, Camera, Lens, Pose};
 use crate::media::Filling;
 use crate::{Error, Place};
 use glam::DVec3;
-
-/// What `[integrator]` says: plain data, for the command to make an integrator of.
-#[derive(Clone, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct IntegratorConfig {
-    /// Its name; `path` unless the file says otherwise.
-    pub name: String,
-    /// Longest path in bounces; `None` is unlimited.
-    pub max_depth: Option<u32>,
-    /// Which bounces in media count.
-    pub scattering: Scattering,
-    /// Passes to render unless told otherwise.
-    pub passes: Option<u64>,
-}
-
-/// How often light may be scattered by media.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Scattering {
-    /// As often as it is.
-    Multiple,
-    /// Once: right for thin media.
-    Single,
-    /// Never: right for media that only absorb and emit.
-    None,
-}
 
 /// The camera, and what is around it if it says.
 pub(super) type View = (Camera, Option<(Filling, Place)>);
@@ -109,36 +84,4 @@ fn axes(table: &Table<'_>, position: DVec3) -> Result<(DVec3, DVec3), Error> {
         return Err(field.error("must not be parallel to the view: choose another direction"));
     }
     Ok((forward, up))
-}
-
-/// Reads the integrator.
-pub(super) fn read_integrator(field: Option<&Field<'_>>) -> Result<IntegratorConfig, Error> {
-    let mut config = IntegratorConfig {
-        name: "path".into(),
-        max_depth: None,
-        scattering: Scattering::Multiple,
-        passes: None,
-    };
-    let Some(field) = field else {
-        return Ok(config);
-    };
-    let table = field.table()?;
-    if let Some(kind) = table.optional("kind") {
-        config.name = kind.string()?.into();
-    }
-    if let Some(depth) = table.optional("max_depth") {
-        config.max_depth = Some(depth.integer(1, i64::from(u32::MAX))? as u32);
-    }
-    if let Some(field) = table.optional("scattering") {
-        config.scattering = match field.one_of(&["multiple", "single", "none"])? {
-            "single" => Scattering::Single,
-            "none" => Scattering::None,
-            _ => Scattering::Multiple,
-        };
-    }
-    if let Some(passes) = table.optional("passes") {
-        config.passes = Some(passes.integer(1, i64::MAX)? as u64);
-    }
-    table.finish()?;
-    Ok(config)
 }

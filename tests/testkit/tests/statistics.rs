@@ -6,7 +6,7 @@ use tyndall_core::{Frame, PhaseFunction, Sampler, warp};
 use tyndall_media::Phase;
 use tyndall_testkit::stats::{
     Estimate, ImageEstimate, Moments, check_mean, check_means, chi2_sphere, chi2_test,
-    compare_images, kolmogorov_smirnov, p_value, sidak, z_test_images,
+    compare_images, kolmogorov_smirnov, log_log_slope, p_value, rmse, sidak, z_test_images,
 };
 use tyndall_testkit::{TestSampler, rng};
 
@@ -93,6 +93,42 @@ fn kolmogorov_smirnov_alarms_as_stated() {
         let mut samples: Vec<f64> = (0..100).map(|_| uniform(s).powi(2)).collect();
         kolmogorov_smirnov(&mut samples, f64::sqrt, RATE).is_ok()
     });
+}
+
+/// Errors of 10 % around x^−0.4 over two decades: the deviation of the slope in standard errors is
+/// Student's t with four degrees of freedom.
+#[test]
+fn slopes_alarm_as_stated() {
+    let points = |s: &mut TestSampler| -> Vec<(f64, f64)> {
+        (0..6)
+            .map(|i| 10.0_f64.powf(0.4 * f64::from(i)))
+            .map(|x| (x, 3.0 * x.powf(-0.4) * (0.1 * normal(s)).exp()))
+            .collect()
+    };
+    assert_false_alarms(0.0, |s| {
+        let fit = log_log_slope(&points(s));
+        p_value((fit.slope + 0.4) / fit.standard_error, 4.0) >= RATE
+    });
+    assert_eq!(
+        log_log_slope(&[(1.0, 1.0), (2.0, 2.0)]).standard_error,
+        f64::INFINITY
+    );
+}
+
+/// The root of the mean of n squares of normal deviates varies by 1/√(2n): five of those.
+#[test]
+fn the_error_of_many_runs_is_their_deviation_and_bias() {
+    let mut s = rng(24);
+    let runs = 20_000;
+    let error = rmse((0..runs).map(|_| (7.0 + 0.4 * normal(&mut s), 6.7)));
+    let bound = 5.0 / (2.0 * f64::from(runs)).sqrt();
+    assert!((error / 0.5 - 1.0).abs() < bound, "{error}");
+}
+
+#[test]
+#[should_panic(expected = "no power law through (1, 0)")]
+fn an_error_of_zero_has_no_slope() {
+    log_log_slope(&[(1.0, 0.0), (2.0, 1.0)]);
 }
 
 /// An image of normal pixels around 1: means and their variances.

@@ -1,0 +1,142 @@
+//! `[integrator]`.
+
+use super::reader::{Field, Table};
+use crate::Error;
+
+/// What `[integrator]` says: plain data, for the command to make an integrator of.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct IntegratorConfig {
+    /// Its name; `path` unless the file says otherwise.
+    pub name: String,
+    /// Longest path in bounces; `None` is unlimited.
+    pub max_depth: Option<u32>,
+    /// Which bounces in media count.
+    pub scattering: Scattering,
+    /// Passes to render unless told otherwise.
+    pub passes: Option<u64>,
+    /// What methods that gather photons are told.
+    pub photons: PhotonConfig,
+}
+
+/// How often light may be scattered by media.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scattering {
+    /// As often as it is.
+    Multiple,
+    /// Once: right for thin media.
+    Single,
+    /// Never: right for media that only absorb and emit.
+    None,
+}
+
+/// Settings of methods that gather photons; `None` is the method's own default.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct PhotonConfig {
+    /// Light paths a pass.
+    pub paths: Option<u64>,
+    /// Mebibytes that the photons of a pass may take.
+    pub memory: Option<u64>,
+    /// The (starting) radius in scene units; never with `nearest`.
+    pub radius: Option<f32>,
+    /// The photons that a (starting) radius holds; never with `radius`.
+    pub nearest: Option<usize>,
+    /// How slowly radii shrink: the share of photons kept, in (0, 1].
+    pub alpha: Option<f64>,
+    /// Name of the smoothing kernel.
+    pub kernel: Option<&'static str>,
+    /// Whether the lights are sampled for direct light, or photons bring it.
+    pub sample_lights: Option<bool>,
+    /// Walks of final gathering.
+    pub final_gather: Option<u32>,
+    /// Whether radii follow the statistics of each pixel.
+    pub statistics: Option<bool>,
+    /// Dimensions over which photons along a ray are smoothed: 2 or 3.
+    pub blur: Option<u8>,
+    /// How transmittance along a ray is found.
+    pub transmittance: Option<&'static str>,
+}
+
+/// Names of smoothing kernels.
+const KERNELS: [&str; 5] = ["constant", "epanechnikov", "biweight", "cone", "gaussian"];
+/// Ways to find the transmittance along a ray.
+const TRANSMITTANCES: [&str; 2] = ["table", "tracking"];
+
+impl IntegratorConfig {
+    /// Of a file that has no `[integrator]`.
+    fn absent() -> Self {
+        Self {
+            name: "path".into(),
+            max_depth: None,
+            scattering: Scattering::Multiple,
+            passes: None,
+            photons: PhotonConfig::default(),
+        }
+    }
+}
+
+/// Reads the integrator.
+pub(super) fn read(field: Option<&Field<'_>>) -> Result<IntegratorConfig, Error> {
+    let mut config = IntegratorConfig::absent();
+    let Some(field) = field else {
+        return Ok(config);
+    };
+    let table = field.table()?;
+    if let Some(kind) = table.optional("kind") {
+        config.name = kind.string()?.into();
+    }
+    if let Some(depth) = count(&table, "max_depth", 1, u32::MAX.into())? {
+        config.max_depth = Some(depth as u32);
+    }
+    if let Some(field) = table.optional("scattering") {
+        config.scattering = match field.one_of(&["multiple", "single", "none"])? {
+            "single" => Scattering::Single,
+            "none" => Scattering::None,
+            _ => Scattering::Multiple,
+        };
+    }
+    config.passes = count(&table, "passes", 1, i64::MAX)?;
+    config.photons = read_photons(&table)?;
+    table.finish()?;
+    Ok(config)
+}
+
+fn read_photons(table: &Table<'_>) -> Result<PhotonConfig, Error> {
+    let [radius, nearest] = ["radius", "nearest"].map(|key| table.optional(key));
+    if let (Some(_), Some(nearest)) = (&radius, &nearest) {
+        return Err(nearest.error("`radius` and `nearest` exclude each other: remove one"));
+    }
+    let alpha = table.optional("alpha").map(|field| {
+        let range = "a number above 0 and at most 1";
+        (field.number_that(|x| x as f32 > 0.0 && x <= 1.0, range)).and_then(|_| field.number())
+    });
+    let word = |key, words| {
+        let field = table.optional(key);
+        field.map(|field| field.one_of(words)).transpose()
+    };
+    let truth = |key| {
+        let field = table.optional(key);
+        field.map(|field| field.boolean()).transpose()
+    };
+    Ok(PhotonConfig {
+        paths: count(table, "paths", 1, 1 << 32)?,
+        memory: count(table, "memory", 1, 1 << 40)?,
+        radius: radius.map(|field| field.positive()).transpose()?,
+        nearest: count(table, "nearest", 2, 1 << 20)?.map(|n| n as usize),
+        alpha: alpha.transpose()?,
+        kernel: word("kernel", &KERNELS)?,
+        sample_lights: truth("sample_lights")?,
+        final_gather: count(table, "final_gather", 1, 1 << 20)?.map(|n| n as u32),
+        statistics: truth("statistics")?,
+        blur: count(table, "blur", 2, 3)?.map(|n| n as u8),
+        transmittance: word("transmittance", &TRANSMITTANCES)?,
+    })
+}
+
+/// A whole number, if the key is there.
+fn count(table: &Table<'_>, key: &'static str, min: i64, max: i64) -> Result<Option<u64>, Error> {
+    let field = table.optional(key);
+    let number = field.map(|field| field.integer(min, max)).transpose()?;
+    Ok(number.map(|n| n as u64))
+}
