@@ -32,6 +32,7 @@ const INTEGRATOR_MAY: &[&str] = &[
     "tyndall-kd-tree",
     "tyndall-bvh",
     "tyndall-octree",
+    "tyndall-photons",
     "glam",
     "rayon",
 ];
