@@ -2,7 +2,7 @@
 
 use crate::builder::{self, MAX_DEPTH};
 use crate::node::{Child, Node, Slabs};
-use crate::{BuildError, Invalid, LANES, Quality};
+use crate::{BuildError, Invalid, LANES, LEAF, Quality};
 use std::ops::Range;
 use tyndall_core::{Aabb, Ray};
 
@@ -47,16 +47,16 @@ impl Bvh {
                         stack[waiting] = index + offset;
                         waiting += 1;
                     }
-                    Child::Block(block) => visit(self.slots_of(block)),
+                    Child::Leaf(leaf) => visit(self.slots_of(leaf)),
                 }
             }
         }
     }
 
     #[inline]
-    fn slots_of(&self, block: u32) -> Range<usize> {
-        let start = block as usize * LANES;
-        start..(start + LANES).min(self.slots)
+    fn slots_of(&self, leaf: u32) -> Range<usize> {
+        let start = leaf as usize * LEAF;
+        start..(start + LEAF).min(self.slots)
     }
 
     /// Primitives.

@@ -33,7 +33,10 @@ pub enum BuildError {
         radii: usize,
     },
     /// Slots are counted in 32 bits.
-    #[error("{count} primitives, but a tree holds no more than {}; trace fewer", u32::MAX)]
+    #[error(
+        "{count} primitives, but a tree holds no more than {}; trace fewer",
+        u32::MAX
+    )]
     TooMany {
         /// Primitives given.
         count: usize,

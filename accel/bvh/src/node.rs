@@ -10,15 +10,16 @@ use wide::f32x8;
 pub(crate) enum Child {
     /// Another node, so many nodes behind this one: subtrees can be moved as a whole.
     Node(u32),
-    /// A block of slots.
-    Block(u32),
+    /// A leaf.
+    Leaf(u32),
 }
 
-/// Set in children that are blocks; there are no more than 2²⁹.
-const BLOCK: u32 = 1 << 31;
+/// Set in children that are leaves; there are no more than 2²⁶.
+const LEAF: u32 = 1 << 31;
 
 /// Eight boxes side by side. Those of missing children hold nothing.
 #[derive(Clone, Debug)]
+#[repr(align(128))]
 pub(crate) struct Node {
     /// Smallest and largest corners: `planes[1][2]` are the largest z.
     planes: [[f32x8; 3]; 2],
@@ -31,7 +32,7 @@ impl Node {
             [f32x8::new([f32::INFINITY; LANES]); 3],
             [f32x8::new([f32::NEG_INFINITY; LANES]); 3],
         ],
-        children: [BLOCK; LANES],
+        children: [LEAF; LANES],
     };
 
     /// Sets a child and its box. The box grows by one unit in the last place: a ray in the plane
@@ -43,17 +44,17 @@ impl Node {
         }
         self.children[lane] = match child {
             Child::Node(offset) => offset,
-            Child::Block(block) => block | BLOCK,
+            Child::Leaf(leaf) => leaf | LEAF,
         };
     }
 
     #[inline]
     pub(crate) fn child(&self, lane: usize) -> Child {
         let child = self.children[lane & (LANES - 1)];
-        if child & BLOCK == 0 {
+        if child & LEAF == 0 {
             Child::Node(child)
         } else {
-            Child::Block(child & !BLOCK)
+            Child::Leaf(child & !LEAF)
         }
     }
 
