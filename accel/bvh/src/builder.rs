@@ -4,7 +4,7 @@ mod split;
 
 use crate::node::{Child, Node};
 use crate::{BuildError, LANES, LEAF, LIMIT};
-use glam::{Vec3, Vec4};
+use glam::Vec3;
 use rayon::prelude::*;
 use split::{by_cost, evenly, into_blocks};
 use tyndall_core::Aabb;
@@ -26,7 +26,7 @@ pub enum Quality {
 struct Item {
     /// Twice the centre, and the size: what primitives are split by. Sizes count, since one large
     /// primitive widens the box of all that share its leaf.
-    key: Vec4,
+    key: [f32; 4],
     index: u32,
 }
 
@@ -74,9 +74,12 @@ fn check(bounds: &[Aabb]) -> Result<Vec<Item>, BuildError> {
     if let Some(fault) = faults.find_map_first(fault) {
         return Err(fault);
     }
-    let item = |(index, bounds): (usize, &Aabb)| Item {
-        key: (bounds.min + bounds.max).extend(bounds.size().max_element()),
-        index: index as u32,
+    let item = |(index, bounds): (usize, &Aabb)| {
+        let [x, y, z] = (bounds.min + bounds.max).to_array();
+        Item {
+            key: [x, y, z, bounds.size().max_element()],
+            index: index as u32,
+        }
     };
     Ok(bounds.par_iter().enumerate().map(item).collect())
 }

@@ -23,76 +23,102 @@ impl Bvh {
         mut visit: impl FnMut(usize, [f32; K]),
     ) {
         let mut batch = Batch::new();
-        let mut waiting = [0u32; BATCH + LANES];
-        let mut count = 0;
         self.traverse(ray, |slots| {
             let leaf = slots.start / LEAF;
-            let (lanes, met) = PACKED[screen(leaf) as usize & 0xff];
-            let first = (leaf * LANES) as u32;
-            let into = &mut waiting[count..count + LANES];
-            for (block, lane) in into.iter_mut().zip(lanes.to_le_bytes()) {
-                *block = first + u32::from(lane);
-            }
-            count += met as usize;
-            if count > BATCH - LANES {
-                batch.run(&waiting[..count], blocks, &test, &mut visit);
-                count = 0;
+            batch.push(leaf, screen(leaf));
+            if batch.waits > BATCH - LANES {
+                batch.run(blocks, &test, &mut visit);
             }
         });
-        batch.run(&waiting[..count], blocks, &test, &mut visit);
+        batch.run(blocks, &test, &mut visit);
     }
 }
 
 struct Batch<const K: usize> {
+    /// First blocks of the leaves met, and how many.
+    leaves: [u32; BATCH],
+    open: usize,
+    /// Leaf and lane, of eight blocks each, of the blocks to test, and how many.
+    waiting: [u8; BATCH],
+    waits: usize,
+    /// Blocks tested and what they gave.
+    blocks: [u32; BATCH],
     values: [[f32; BATCH * LANES]; K],
-    /// Which of the values are those of primitives met.
-    met: [u8; BATCH * LANES + LANES],
+    /// Block and lane, of eight values each, of the primitives met.
+    met: [u8; BATCH * LANES],
 }
 
 impl<const K: usize> Batch<K> {
     fn new() -> Self {
         Self {
+            leaves: [0; BATCH],
+            open: 0,
+            waiting: [0; BATCH],
+            waits: 0,
+            blocks: [0; BATCH],
             values: [[0.0; BATCH * LANES]; K],
-            met: [0; BATCH * LANES + LANES],
+            met: [0; BATCH * LANES],
         }
     }
 
+    /// Adds the blocks of a leaf; there must be room for eight.
     #[inline]
+    fn push(&mut self, leaf: usize, mask: u32) {
+        let (lanes, count) = PACKED[mask as usize % PACKED.len()];
+        self.leaves[self.open] = (leaf * LANES) as u32;
+        self.waiting[self.waits..self.waits + LANES]
+            .copy_from_slice(&(lanes + self.open as u64 * ROW).to_le_bytes());
+        self.open += usize::from(count > 0);
+        self.waits += count;
+    }
+
+    /// Tests what waits and visits what is met.
+    #[inline(never)] // the registers of the traversal would be in its way
     fn run<B>(
         &mut self,
-        waiting: &[u32],
         blocks: &[B],
         test: &impl Fn(&B) -> (u32, [f32x8; K]),
         visit: &mut impl FnMut(usize, [f32; K]),
     ) {
-        let mut count = 0;
-        for (i, &block) in waiting.iter().enumerate() {
-            let (mask, values) = test(&blocks[block as usize]);
+        let (mut met, mut base) = (0, 0);
+        let waiting = self.waiting.iter().zip(&mut self.blocks);
+        for (i, (&waiting, block)) in waiting.take(self.waits).enumerate() {
+            let (leaf, lane) = (waiting as usize / LANES, u32::from(waiting) % LANES as u32);
+            *block = self.leaves[leaf] + lane;
+            let (mask, values) = test(&blocks[*block as usize]);
             for (all, of_block) in self.values.iter_mut().zip(values) {
-                all[i * LANES..][..LANES].copy_from_slice(of_block.as_array());
+                if let Some(room) = all.get_mut(i * LANES..i * LANES + LANES) {
+                    room.copy_from_slice(of_block.as_array());
+                }
             }
-            let (lanes, met) = PACKED[mask as usize & 0xff];
-            let lanes = lanes + i as u64 * (LANES as u64 * 0x0101_0101_0101_0101);
-            self.met[count..][..LANES].copy_from_slice(&lanes.to_le_bytes());
-            count += met as usize;
+            let (lanes, count) = PACKED[mask as usize % PACKED.len()];
+            if let Some(room) = self.met.get_mut(met..met + LANES) {
+                room.copy_from_slice(&(lanes + base).to_le_bytes());
+            }
+            met += count;
+            base += ROW;
         }
-        for &met in &self.met[..count] {
+        (self.open, self.waits) = (0, 0);
+        for &met in &self.met[..met] {
             let met = met as usize;
-            let slot = waiting[met / LANES] as usize * LANES + met % LANES;
+            let slot = self.blocks[met / LANES] as usize * LANES + met % LANES;
             visit(slot, std::array::from_fn(|k| self.values[k][met]));
         }
     }
 }
 
+/// Eight times one, in every byte.
+const ROW: u64 = u64::from_le_bytes([LANES as u8; 8]);
+
 /// For every set of lanes: their numbers, a byte each from the lowest, and how many there are.
-const PACKED: [(u64, u64); 256] = {
+const PACKED: [(u64, usize); 256] = {
     let mut packed = [(0, 0); 256];
     let mut mask = 0;
     while mask < 256 {
         let mut lane = 0;
         while lane < LANES {
             if mask >> lane & 1 == 1 {
-                packed[mask].0 |= (lane as u64) << (8 * packed[mask].1);
+                packed[mask].0 |= (lane as u64) << (8 * packed[mask].1 as u32);
                 packed[mask].1 += 1;
             }
             lane += 1;

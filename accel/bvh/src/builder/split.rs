@@ -53,7 +53,7 @@ fn halve(items: &mut [Item], start: usize, unit: usize, ends: &mut [usize]) {
 fn spread(items: &[Item]) -> Vec4 {
     let (min, max) = items
         .iter()
-        .map(|item| item.key)
+        .map(|item| Vec4::from_array(item.key))
         .fold((Vec4::INFINITY, Vec4::NEG_INFINITY), |(min, max), key| {
             (min.min(key), max.max(key))
         });
