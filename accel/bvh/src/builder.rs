@@ -1,9 +1,10 @@
 //! The builder: leaves of eight blocks of eight slots, nodes of eight children.
 
+mod cost;
 mod split;
 
 use crate::node::{Child, Node};
-use crate::{BuildError, LANES, LEAF, LIMIT};
+use crate::{BuildError, LEAF, LIMIT};
 use glam::Vec3;
 use rayon::prelude::*;
 use split::{by_cost, evenly, into_blocks};
@@ -92,54 +93,72 @@ struct Builder<'a> {
 impl Builder<'_> {
     /// Appends the subtree over `items`, the first of which is in slot `first`; returns its box.
     fn grow(&self, items: &mut [Item], first: usize, depth: usize, nodes: &mut Vec<Node>) -> Aabb {
-        let (ends, count) = match self.quality {
-            Quality::High if depth < LEVELS_BY_COST => by_cost(items),
-            _ => evenly(items),
-        };
         let parallel = items.len() > TASK;
-        let mut parts = Vec::with_capacity(count);
-        let (mut rest, mut start) = (items, 0);
-        for &end in &ends[..count] {
-            let (part, behind) = rest.split_at_mut(end - start);
-            parts.push((first + start, part));
-            (rest, start) = (behind, end);
-        }
+        let parts = self.split(items, first, depth);
         let root = nodes.len();
         nodes.push(Node::EMPTY);
-        let subtree = |(first, part): (usize, &mut [Item]), nodes: &mut Vec<Node>| {
-            if part.len() > LEAF {
-                return (self.grow(part, first, depth + 1, nodes), None);
-            }
-            into_blocks(part);
-            (self.union(part), Some(Child::Leaf((first / LEAF) as u32)))
-        };
         let mut whole = Aabb::EMPTY;
-        let mut adopt =
-            |nodes: &mut Vec<Node>, lane, offset, (bounds, leaf): (Aabb, Option<Child>)| {
-                nodes[root].set(lane, bounds, leaf.unwrap_or(Child::Node(offset as u32)));
-                whole = whole.union(bounds);
-            };
+        let mut adopt = |nodes: &mut Vec<Node>, lane, (bounds, child)| {
+            nodes[root].set(lane, bounds, child);
+            whole = whole.union(bounds);
+        };
         if parallel {
-            let grown: Vec<_> = parts
-                .into_par_iter()
-                .map(|part| {
-                    let mut below = Vec::new();
-                    (subtree(part, &mut below), below)
-                })
-                .collect();
-            for (lane, (child, mut below)) in grown.into_iter().enumerate() {
-                let offset = nodes.len() - root;
+            let grow = |(first, part): (usize, _)| {
+                let mut below = Vec::new();
+                (self.child(part, first, depth, 0, &mut below), below)
+            };
+            let grown: Vec<_> = parts.into_par_iter().map(grow).collect();
+            for (lane, ((bounds, child), mut below)) in grown.into_iter().enumerate() {
+                let child = child.moved(nodes.len() - root);
                 nodes.append(&mut below);
-                adopt(nodes, lane, offset, child);
+                adopt(nodes, lane, (bounds, child));
             }
         } else {
-            for (lane, part) in parts.into_iter().enumerate() {
-                let offset = nodes.len() - root;
-                let child = subtree(part, nodes);
-                adopt(nodes, lane, offset, child);
+            for (lane, (first, part)) in parts.into_iter().enumerate() {
+                let child = self.child(part, first, depth, root, nodes);
+                adopt(nodes, lane, child);
             }
         }
         whole
+    }
+
+    /// The parts of a node, each with its first slot.
+    fn split<'i>(
+        &self,
+        items: &'i mut [Item],
+        first: usize,
+        depth: usize,
+    ) -> Vec<(usize, &'i mut [Item])> {
+        let (ends, count) = match self.quality {
+            Quality::High if depth < LEVELS_BY_COST => by_cost(items, self.bounds),
+            _ => evenly(items),
+        };
+        let (mut rest, mut start) = (items, 0);
+        let part = |&end: &usize| {
+            let (part, behind) = std::mem::take(&mut rest).split_at_mut(end - start);
+            let slot = first + start;
+            (rest, start) = (behind, end);
+            (slot, part)
+        };
+        ends[..count].iter().map(part).collect()
+    }
+
+    /// Makes a leaf, or appends a subtree; its box, and what it is to the node at `root`.
+    fn child(
+        &self,
+        items: &mut [Item],
+        first: usize,
+        depth: usize,
+        root: usize,
+        nodes: &mut Vec<Node>,
+    ) -> (Aabb, Child) {
+        if items.len() <= LEAF {
+            into_blocks(items);
+            return (self.union(items), Child::Leaf((first / LEAF) as u32));
+        }
+        let offset = nodes.len() - root;
+        let bounds = self.grow(items, first, depth + 1, nodes);
+        (bounds, Child::Node(offset as u32))
     }
 
     fn union(&self, items: &[Item]) -> Aabb {

@@ -16,12 +16,11 @@ pub struct Discs {
     order: Vec<u32>,
 }
 
-/// Eight discs side by side; the missing ones have no radius.
+/// Eight spheres side by side; the missing ones have no radius.
 #[derive(Clone, Debug, Default)]
 #[repr(align(128))]
 struct Block {
     center: [f32x8; 3],
-    /// Of discs squared.
     radius: f32x8,
 }
 
@@ -48,10 +47,9 @@ impl Discs {
             .collect();
         let (bvh, order) = Bvh::build(&bounds, quality)?;
         let disc = |&i: &u32| (centers[i as usize], radii[i as usize]);
-        let squared = |(center, radius): (Vec3, f32)| (center, radius * radius);
         let blocks = order
             .par_chunks(LANES)
-            .map(|slots| Block::new(slots.iter().map(disc).map(squared)))
+            .map(|slots| Block::new(slots.iter().map(disc)))
             .collect();
         let leaves = order
             .par_chunks(LEAF)
@@ -87,7 +85,7 @@ impl Discs {
         let test = |block: &Block| {
             let (t, d2) = block.closest(&origin, &direction);
             let within = t.simd_ge(f32x8::splat(0.0)) & t.simd_le(t_max);
-            let met = d2.simd_lt(block.radius) & within;
+            let met = d2.simd_lt(block.radius * block.radius) & within;
             (met.to_bitmask(), [t, d2])
         };
         self.bvh
@@ -108,10 +106,11 @@ impl Discs {
         let screen = |leaf: usize| self.leaves[leaf].touched(&origin, &direction, t_max);
         let test = |block: &Block| {
             let (t, d2) = block.closest(&origin, &direction);
-            let half = (block.radius - d2).fast_max(zero).sqrt();
+            let r2 = block.radius * block.radius;
+            let half = (r2 - d2).fast_max(zero).sqrt();
             let start = (t - half).fast_max(zero);
             let end = (t + half).fast_min(t_max);
-            let met = d2.simd_lt(block.radius) & start.simd_lt(end);
+            let met = d2.simd_lt(r2) & start.simd_lt(end);
             (met.to_bitmask(), [d2, start, end])
         };
         self.bvh
@@ -125,9 +124,7 @@ impl Discs {
     /// # Panics
     /// There is no such slot.
     pub fn center(&self, slot: usize) -> Vec3 {
-        assert!(slot < self.len(), "slot {slot} of {}", self.len());
-        let block = &self.blocks[slot / LANES];
-        Vec3::from_array(block.center.map(|axis| axis.to_array()[slot % LANES]))
+        self.disc(slot).0
     }
 
     /// The radius of the disc in a slot.
@@ -135,8 +132,7 @@ impl Discs {
     /// # Panics
     /// There is no such slot.
     pub fn radius(&self, slot: usize) -> f32 {
-        assert!(slot < self.len(), "slot {slot} of {}", self.len());
-        self.blocks[slot / LANES].radius.to_array()[slot % LANES].sqrt()
+        self.disc(slot).1
     }
 
     /// Discs, those of radius 0 included.
@@ -162,8 +158,20 @@ impl Discs {
     /// # Errors
     /// The first fault found.
     pub fn validate(&self) -> Result<(), Invalid> {
+        let outside = |&slot: &usize| {
+            let (middle, reach) = self.leaves[slot / LEAF].get(slot / LANES % LANES);
+            middle.distance(self.center(slot)) + self.radius(slot) > reach
+        };
+        if let Some(slot) = (0..self.len()).find(outside) {
+            return Err(Invalid::Sphere { slot });
+        }
         self.bvh
             .validate(|slot| around(self.center(slot), self.radius(slot)))
+    }
+
+    fn disc(&self, slot: usize) -> (Vec3, f32) {
+        assert!(slot < self.len(), "slot {slot} of {}", self.len());
+        self.blocks[slot / LANES].get(slot % LANES)
     }
 }
 
@@ -197,6 +205,14 @@ impl Block {
             block.radius.as_mut_array()[lane] = radius;
         }
         block
+    }
+
+    fn get(&self, lane: usize) -> (Vec3, f32) {
+        let of_lane = |values: f32x8| values.as_array()[lane];
+        (
+            Vec3::from_array(self.center.map(of_lane)),
+            of_lane(self.radius),
+        )
     }
 
     /// Where the line passes the centres, and the squared distance there. From the difference and

@@ -14,6 +14,16 @@ pub(crate) enum Child {
     Leaf(u32),
 }
 
+impl Child {
+    /// The same child, seen from so many nodes before.
+    pub(crate) fn moved(self, by: usize) -> Self {
+        match self {
+            Self::Node(offset) => Self::Node(offset + by as u32),
+            leaf @ Self::Leaf(_) => leaf,
+        }
+    }
+}
+
 /// Set in children that are leaves; there are no more than 2²⁶.
 const LEAF: u32 = 1 << 31;
 
@@ -67,6 +77,11 @@ impl Node {
             min: corner(0),
             max: corner(1),
         }
+    }
+
+    /// The box of all children.
+    pub(crate) fn whole(&self) -> Aabb {
+        (0..LANES).fold(Aabb::EMPTY, |all, lane| all.union(self.bounds(lane)))
     }
 
     /// A bit for every child whose box the ray meets.

@@ -1,8 +1,10 @@
 //! Where to split.
 
+use super::cost::{Bins, area};
 use super::{Item, TASK};
 use crate::{LANES, LEAF};
 use glam::Vec4;
+use tyndall_core::Aabb;
 
 /// Ends of the parts, in items, and how many parts there are.
 pub(super) type Parts = ([usize; LANES], usize);
@@ -65,7 +67,61 @@ fn select(items: &mut [Item], at: usize, axis: usize) {
     items.select_nth_unstable_by(at, |a, b| a.key[axis].total_cmp(&b.key[axis]));
 }
 
-/// By the surface area heuristic.
-pub(super) fn by_cost(items: &mut [Item]) -> Parts {
-    evenly(items)
+/// Up to eight parts, all but the last made of full leaves: the part of the largest surface is
+/// split where rays are expected to pay least, again and again.
+pub(super) fn by_cost(items: &mut [Item], bounds: &[Aabb]) -> Parts {
+    let mut ends = [0; LANES];
+    // The area of each part; of leaves, which are not split, none.
+    let mut areas = [0.0; LANES];
+    (ends[0], areas[0]) = (items.len(), f64::INFINITY);
+    let mut count = 1;
+    while count < LANES {
+        let largest = (0..count).fold(0, |a, b| if areas[b] > areas[a] { b } else { a });
+        let start = if largest == 0 { 0 } else { ends[largest - 1] };
+        let part = &mut items[start..ends[largest]];
+        if part.len() <= LEAF {
+            break;
+        }
+        let (axis, at, of_sides) = cheapest(part, bounds);
+        select(part, at, axis);
+        let sizes = [at, part.len() - at];
+        ends.copy_within(largest..count, largest + 1);
+        areas.copy_within(largest..count, largest + 1);
+        ends[largest] = start + at;
+        for side in 0..2 {
+            areas[largest + side] = if sizes[side] > LEAF {
+                of_sides[side]
+            } else {
+                -1.0
+            };
+        }
+        count += 1;
+    }
+    (ends, count)
+}
+
+/// Where to split: the axis, how many items are on the left, and the areas of both sides. The
+/// count is rounded to full leaves, so that the areas are those of the plane nearby.
+fn cheapest(items: &[Item], bounds: &[Aabb]) -> (usize, usize, [f64; 2]) {
+    let bins = Bins::of(items, bounds);
+    let leaves = items.len().div_ceil(LEAF);
+    let round = |count: usize| ((count + LEAF / 2) / LEAF).clamp(1, leaves - 1);
+    let mut best = f64::INFINITY;
+    let whole = bins.whole();
+    let mut found = (
+        spread(items).max_position(),
+        round(items.len() / 2) * LEAF,
+        [area(whole); 2],
+    );
+    for axis in 0..4 {
+        for (count, left, right) in bins.planes(axis) {
+            let (left, right) = (area(left), area(right));
+            let cost = left * round(count) as f64 + right * (leaves - round(count)) as f64;
+            if cost < best {
+                best = cost;
+                found = (axis, round(count) * LEAF, [left, right]);
+            }
+        }
+    }
+    found
 }
