@@ -1,7 +1,7 @@
 //! How the tree is built.
 
-use crate::tree::{LEAF, Node, Tree, leaf_start, levels};
-use glam::Vec3;
+use crate::tree::{Block, LANES, Layout, Node, Tree};
+use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 use tyndall_core::Aabb;
 
@@ -25,43 +25,30 @@ impl Tree {
                 index: i as u32,
             })
             .collect();
-        let levels = levels(len);
-        let mut nodes = vec![Node::default(); (1 << levels) - 1];
+        let layout = Layout::new(len);
+        let mut nodes = vec![Node::default(); layout.leaves() - 1];
         let bounds = bounds_of(&items);
-        let splitter = Splitter { len, levels };
-        splitter.split(&mut items, &mut nodes, 0, bounds);
-        let coordinates = [0, 1, 2].map(|axis| {
-            let mut all = Vec::with_capacity(len + LEAF);
-            all.par_extend(items.par_iter().map(|item| item.position[axis]));
-            all.resize(len + LEAF, 0.0);
-            all
-        });
+        layout.split(&mut items, &mut nodes, 0, bounds);
         let tree = Self {
             len,
-            levels,
+            layout,
             bounds,
             nodes,
-            coordinates,
+            blocks: items.par_chunks(LANES).map(block).collect(),
         };
         (tree, items.par_iter().map(|item| item.index).collect())
     }
 }
 
-struct Splitter {
-    len: usize,
-    levels: u32,
-}
-
-impl Splitter {
+impl Layout {
     /// Divides the items of the leaves from `leaf` on, one more than `nodes`, at the median of
     /// the widest axis of their bounds.
-    fn split(&self, items: &mut [Item], nodes: &mut [Node], leaf: usize, bounds: Aabb) {
+    fn split(self, items: &mut [Item], nodes: &mut [Node], leaf: usize, bounds: Aabb) {
         let half = nodes.len().div_ceil(2);
         let Some((node, below)) = nodes.split_first_mut() else {
             return;
         };
-        let start = |leaf| leaf_start(self.len, self.levels, leaf);
-        let middle = start(leaf + half) - start(leaf);
+        let middle = LANES * (self.start(leaf + half) - self.start(leaf));
         let axis = bounds.size().max_position();
         items.select_nth_unstable_by(middle, |a, b| a.position[axis].total_cmp(&b.position[axis]));
         let (lower, upper) = items.split_at_mut(middle);
@@ -84,6 +71,28 @@ impl Splitter {
     }
 }
 
+/// The block of at most four items.
+fn block(items: &[Item]) -> Block {
+    let lanes = |axis| {
+        let mut lanes = Vec4::NAN;
+        for (i, item) in items.iter().enumerate() {
+            lanes[i] = item.position[axis];
+        }
+        lanes
+    };
+    Block {
+        x: lanes(0),
+        y: lanes(1),
+        z: lanes(2),
+    }
+}
+
 fn bounds_of(items: &[Item]) -> Aabb {
-    Aabb::of_points(items.iter().map(|item| Vec3::from_array(item.position)))
+    items.iter().fold(Aabb::EMPTY, |bounds, item| {
+        let position = Vec3::from_array(item.position);
+        Aabb {
+            min: bounds.min.min(position),
+            max: bounds.max.max(position),
+        }
+    })
 }

@@ -29,21 +29,25 @@ impl Nearest {
     }
 
     /// How many are looked for.
+    #[inline]
     pub fn k(&self) -> usize {
         self.k
     }
 
     /// What the last query found, at most k: the farthest is last, the others are in no order.
+    #[inline]
     pub fn found(&self) -> &[Neighbour] {
         &self.found
     }
 
     /// The farthest that the last query found.
+    #[inline]
     pub fn farthest(&self) -> Option<Neighbour> {
         self.found.last().copied()
     }
 
     /// Forgets the last query; `photons` is how many could be found.
+    #[inline]
     pub(crate) fn begin(&mut self, photons: usize) {
         self.found.clear();
         self.found.reserve(self.capacity().min(photons));
@@ -61,10 +65,12 @@ impl Nearest {
     }
 
     /// Ends a query.
+    #[inline]
     pub(crate) fn end(&mut self) {
         self.keep(self.k.min(self.found.len()));
     }
 
+    #[inline]
     fn capacity(&self) -> usize {
         self.k.saturating_mul(2)
     }
