@@ -178,8 +178,8 @@ fn all(criterion: &mut Criterion) {
     let one = ThreadPoolBuilder::new().num_threads(1);
     one.build_global().unwrap();
     let scenes = scenes();
-    let benches: [(&str, fn(&mut Group, &Scene)); 4] = [
-        ("build", build),
+    let benches = [
+        ("build", build as fn(&mut Group, &Scene)),
         ("nearest", nearest),
         ("within", within),
         ("nearest_radii", radii),

@@ -8,8 +8,10 @@ use tyndall_kd_tree::{Nearest, Photons};
 /// Squares of `f32` differences have relative errors of a few 2⁻²⁴.
 const ROUNDING: f64 = 1e-6;
 
+type Shape = fn(Vec3) -> Vec3;
+
 /// Ways to lie in the unit cube.
-const SHAPES: [(&str, fn(Vec3) -> Vec3); 5] = [
+const SHAPES: [(&str, Shape); 5] = [
     ("uniform", |p| p),
     ("clustered", |p| p * p * p * p * p),
     ("collinear", |p| Vec3::splat(p.x)),

@@ -1,4 +1,6 @@
 //! Photons in a tree: against brute force, at extremes, and in memory.
+// A failing test tells at which scene it was.
+#![allow(clippy::print_stdout)]
 
 mod brute_force;
 mod extremes;
