@@ -11,8 +11,9 @@ pub struct Neighbour {
 
 /// Room for the k nearest photons of a query, reused from one to the next.
 ///
-/// It keeps up to 2k candidates and drops all but the k nearest when it is full, which costs less
-/// than a heap. The memory, 32k bytes, is taken at the first query and kept.
+/// It keeps up to 2k candidates and drops all but the k nearest when it is full, at a cost a
+/// candidate that does not grow with k. The memory, 32k bytes or less, is taken at the first query
+/// and kept.
 #[derive(Clone, Debug, Default)]
 pub struct Nearest {
     k: usize,
