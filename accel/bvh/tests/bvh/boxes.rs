@@ -57,9 +57,9 @@ fn no_box_is_missed_and_no_leaf_met_twice() {
                             assert!(!std::mem::replace(&mut seen[slot], true), "{slot} twice");
                         }
                     });
-                    for slot in 0..count {
+                    for (slot, seen) in seen.into_iter().enumerate() {
                         assert!(
-                            seen[slot] || !meets(of_slot(slot), &ray),
+                            seen || !meets(of_slot(slot), &ray),
                             "{:?} {ray:?}",
                             of_slot(slot)
                         );
