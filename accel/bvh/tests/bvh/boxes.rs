@@ -1,6 +1,6 @@
 //! Trees over boxes of any kind.
 
-use crate::scenes::{PLACES, centers, ray};
+use crate::scenes::{PLACES, Places, centers, direction, ray};
 use glam::Vec3;
 use tyndall_bvh::{BuildError, Bvh, Quality};
 use tyndall_core::{Aabb, Ray, Sampler};
@@ -115,4 +115,29 @@ fn no_boxes_make_an_empty_tree() {
     let (tree, order) = Bvh::build(&[], Quality::Fast).expect("nothing is good");
     assert!(tree.is_empty() && order.is_empty() && tree.bytes() == 0);
     tree.traverse(&Ray::new(Vec3::ZERO, Vec3::Z), |_| panic!("met"));
+}
+
+/// Needles of all lengths among one another: what `High` is for.
+#[test]
+fn high_quality_shows_rays_less_where_sizes_differ() {
+    let mut random = rng(21);
+    let bounds: Vec<_> = centers(Places::Uniform, 20_000, &mut random)
+        .into_iter()
+        .map(|from| {
+            let length = 10_f32.powf(-3.0 * random.next_1d());
+            Aabb::of_points([from, from + length * direction(&mut random)])
+        })
+        .collect();
+    let rays: Vec<_> = (0..300)
+        .map(|_| ray(&[(Vec3::ZERO, 0.5)], 1.0, &mut random))
+        .collect();
+    let [fast, high] = [Quality::Fast, Quality::High].map(|quality| {
+        let (tree, _) = Bvh::build(&bounds, quality).expect("good boxes");
+        let mut shown = 0;
+        for ray in &rays {
+            tree.traverse(ray, |slots| shown += slots.len());
+        }
+        shown
+    });
+    assert!(high * 10 < fast * 9, "{high} of {fast}");
 }
