@@ -73,7 +73,7 @@ impl<const K: usize> Batch<K> {
     }
 
     /// Tests what waits and visits what is met.
-    #[inline(never)] // the registers of the traversal would be in its way
+    #[inline(always)] // or what `visit` sums would go through memory at every call
     fn run<B>(
         &mut self,
         blocks: &[B],
