@@ -1,5 +1,6 @@
 //! Integrators on scenes, and the law that the crates keep.
 
+mod battery;
 mod dependency_law;
 mod furnace;
 mod scale;
