@@ -165,7 +165,7 @@ impl<D> ProgressivePhotonMap<D> {
     /// Starts with the radius that holds this many photons of
     /// [`starting_paths`](Self::starting_paths) light paths, at least 2.
     #[must_use]
-    pub fn nearest(self, photons: u32) -> Self {
+    pub fn nearest(self, photons: usize) -> Self {
         let start = Start::Nearest(photons);
         Self { start, ..self }
     }

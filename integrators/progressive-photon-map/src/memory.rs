@@ -122,7 +122,7 @@ impl<'p> Place<'p> {
         let found = self.found as f64;
         if statistics.count == 0.0 && found > 0.0 {
             statistics.count = match self.reach.start {
-                Start::Nearest(photons) => f64::from(photons),
+                Start::Nearest(photons) => photons as f64,
                 Start::Radius(_) => found / self.reach.share,
             };
         }

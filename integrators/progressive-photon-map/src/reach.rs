@@ -13,7 +13,7 @@ const FEWEST: f64 = 16.0;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Start {
     /// Holds so many photons of the starting paths.
-    Nearest(u32),
+    Nearest(usize),
     /// Is given.
     Radius(f32),
 }
@@ -79,7 +79,7 @@ impl Reach {
     ) -> Option<f32> {
         let photons = match self.start {
             Start::Radius(radius) => return Some((radius * self.scale).min(self.max_radius)),
-            Start::Nearest(photons) => f64::from(photons),
+            Start::Nearest(photons) => photons as f64,
         };
         let dimension = f64::from(self.shrinkage.dimension().number());
         let wanted = photons * self.share * f64::from(self.scale).powf(dimension);

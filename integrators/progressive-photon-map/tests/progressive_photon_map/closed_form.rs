@@ -1,0 +1,218 @@
+//! Light in closed form.
+
+use crate::{FALSE_ALARM, fog, measure, render, sphere_of_rays};
+use glam::Vec3;
+use std::f64::consts::PI;
+use std::path::Path;
+use tyndall_core::{Medium, PhaseFunction, Rgb, Spectrum};
+use tyndall_density::Kernel;
+use tyndall_progressive_photon_map::{ProgressivePhotonMap, Radii};
+use tyndall_scene_io::{Scene, SceneFile};
+use tyndall_testkit::closed_form::{LaserRow, laser_row_sum, point_source_fluence};
+use tyndall_testkit::hosts::{AnalyticHost, Interface, Laser, View};
+use tyndall_testkit::stats::{Estimate, Moments, check_means};
+
+/// Figures with the bias that is allowed to each, of its expectation.
+fn check(figures: Vec<(String, Estimate, f64, f64)>, precision: f64) {
+    let cases: Vec<_> = figures
+        .iter()
+        .map(|(name, estimate, expected, bias)| {
+            let noise = estimate.relative_standard_error();
+            assert!(noise <= precision, "{name}: {noise:.4} is too noisy");
+            let off = estimate.mean - expected;
+            let forgiven = off.clamp(-bias * expected, bias * expected);
+            (name.as_str(), *estimate, expected + forgiven)
+        })
+        .collect();
+    check_means(&cases, FALSE_ALARM).unwrap_or_else(|why| panic!("{why}"));
+}
+
+/// Fluence less the light that nothing has scattered: no ray meets the point that emits it.
+///
+/// The bias of a ball of Epanechnikov's kernel is r²/14 ∇²L, for the variance of the ball is r²/7 in
+/// each direction. Light that scatters once is exp(−σt d)/d² before; seen from R = 0.5, its mean
+/// ∇²L/L is of the order of σt² + 8/R², 41 at σt = 3: with r = 0.04 a bias of 0.5 %. Where lights are
+/// sampled, what is gathered has scattered twice, is half of the light, and diverges as 1/d at the
+/// lamp, so that 8/R² is 2/R²: with r = 0.08 less than 0.5 % again.
+#[test]
+fn fluence_around_a_point_source() {
+    let (sigma_t, albedo) = (Rgb::new(1.0, 2.0, 3.0), Rgb::new(0.5, 0.9, 0.7));
+    let (lamp, distance) = (Vec3::new(3.0, -2.0, 1.0), 0.5);
+    let view = View::Rays(sphere_of_rays(lamp + distance * Vec3::Z, 400));
+    let sigma_s = sigma_t * albedo;
+    let host = AnalyticHost::infinite_medium(
+        fog(sigma_t - sigma_s, sigma_s, 0.0),
+        lamp,
+        Rgb::splat(1.0),
+        view,
+    );
+    let mut figures = Vec::new();
+    let fixed = ProgressivePhotonMap::new()
+        .radius(0.04)
+        .alpha(1.0)
+        .paths(4_000);
+    let estimates = measure(&host, &fixed, 1, 0..250);
+    let sampled = ProgressivePhotonMap::sampling_lights()
+        .radius(0.08)
+        .alpha(1.0)
+        .paths(4_000);
+    let sampled = measure(&host, &sampled, 1, 0..250);
+    for (name, estimates) in [("photons", estimates), ("sampling", sampled)] {
+        for (i, estimate) in estimates.into_iter().enumerate() {
+            let (a, s) = (albedo.channel(i), sigma_t.channel(i));
+            let r = f64::from(distance);
+            let uncollided = (-f64::from(s) * r).exp() / (4.0 * PI * r * r);
+            let all = point_source_fluence(f64::from(a), f64::from(s), r);
+            let expected = (all - uncollided) / (4.0 * PI);
+            figures.push((format!("{name}, channel {i}"), estimate, expected, 0.005));
+        }
+    }
+    check(figures, 0.015);
+}
+
+/// From the middle of a white ball six mean free paths in radius the walls of the furnace are seen
+/// through it: its light is even, so that kernels of any width are right, but for those collisions
+/// that lie within r = 0.5 of the boundary: exp(−1.2 · 4.5) of them, and they lose no more than half.
+#[test]
+fn the_furnace_is_white_away_from_boundaries() {
+    let view = View::Rays(sphere_of_rays(Vec3::new(0.1, 0.0, 0.0), 100));
+    let sigma_s = Rgb::new(1.2, 1.5, 2.0);
+    let mut figures = Vec::new();
+    for g in [0.0, 0.8] {
+        let host = AnalyticHost::furnace(
+            fog(Rgb::default(), sigma_s, g),
+            5.0,
+            Interface::Matched,
+            view.clone(),
+        );
+        for kernel in [Kernel::Constant, Kernel::Epanechnikov] {
+            for radii in [Radii::Memoryless, Radii::Statistics] {
+                let method = ProgressivePhotonMap::new()
+                    .radius(0.5)
+                    .kernel(kernel)
+                    .radii(radii)
+                    .starting_paths(1_500)
+                    .paths(1_500);
+                for (i, estimate) in measure(&host, &method, 3, 0..25).into_iter().enumerate() {
+                    let name = format!("g {g} {kernel:?} {radii:?} channel {i}");
+                    figures.push((name, estimate, 1.0, 0.003));
+                }
+            }
+        }
+    }
+    check(figures, 0.01);
+}
+
+/// The sum across a laser does not depend on the radius but for the blur along the ray and the beam,
+/// which averages exponentials: with an offset δ of variance r²/7 in each direction, what is
+/// attenuated over t + v has a gradient of square 2/(1 − cos θ) in δ, and its mean the factor
+/// 1 + σt² r²/(7 (1 − cos θ)); r⁴ adds less than 2e-4. Light that scatters twice adds the albedo,
+/// 1e-3, times less than 1.
+#[test]
+fn the_row_sum_of_a_laser_does_not_depend_on_the_radius() {
+    let (sigma_t, albedo) = (0.8, 1e-3);
+    let mut figures = Vec::new();
+    for cos_theta in [0.0, 0.6] {
+        for radius in [0.06, 0.12, 0.24] {
+            let laser = Laser {
+                flux: 3.0,
+                radius: 0.03,
+                cos_theta,
+                distance: 1.2,
+                along: 1.5,
+                half_width: radius + 0.031,
+                pixels: 64,
+            };
+            let medium = fog(sigma_t * (1.0 - albedo), sigma_t * albedo, 0.5);
+            let e = Vec3::new(cos_theta, 0.0, (1.0 - cos_theta * cos_theta).sqrt());
+            let phase = medium.phase(Vec3::ZERO).eval(-e, Vec3::NEG_X);
+            let host = AnalyticHost::laser(medium, laser);
+            let method = ProgressivePhotonMap::new()
+                .radius(radius)
+                .alpha(1.0)
+                .paths(4_000);
+            let mean = measure(&host, &method, 8, 0..60)[0];
+            let width = f64::from(laser.pixel_width()) * f64::from(laser.pixels);
+            let sum = Estimate {
+                mean: mean.mean * width,
+                standard_error: mean.standard_error * width,
+                ..mean
+            };
+            let expected = laser_row_sum(&LaserRow {
+                sigma_s: f64::from(sigma_t * albedo),
+                sigma_t: f64::from(sigma_t),
+                phase: f64::from(phase),
+                flux: f64::from(laser.flux),
+                radius: f64::from(laser.radius),
+                cos_theta: f64::from(cos_theta),
+                distance: f64::from(laser.distance),
+                along: f64::from(laser.along),
+            });
+            let blur = f64::from(sigma_t * radius).powi(2) / (7.0 * f64::from(1.0 - cos_theta));
+            let name = format!("cos θ {cos_theta}, radius {radius}");
+            figures.push((name, sum, expected * (1.0 + blur), 2e-3));
+        }
+    }
+    check(figures, 0.015);
+}
+
+/// A lamp one unit above a floor of reflectance 0.6, in a picture of this width.
+pub(crate) fn floor(width: f32) -> Scene<f32> {
+    let text = format!(
+        r#"
+        [camera]
+        kind = "orthographic"
+        position = [0, 0.5, 0]
+        look_at = [0, 0, 0]
+        up = [0, 0, 1]
+        width = {width}
+        [film]
+        width = 8
+        height = 8
+        [materials.floor]
+        kind = "diffuse"
+        reflectance = 0.6
+        [[lights]]
+        kind = "point"
+        position = [0, 1, 0]
+        power = 4
+        [[shapes]]
+        kind = "quad"
+        corner = [-20, 0, 20]
+        edge_u = [40, 0, 0]
+        edge_v = [0, 0, -40]
+        material = "floor"
+    "#
+    );
+    let file = SceneFile::parse(&text, Path::new("floor.toml"), &[]).expect("a scene");
+    file.build().expect("a host")
+}
+
+/// Irradiance ρ off the foot is I/(1 + ρ²)^1.5: over the picture, 0.2 wide, its mean is less by
+/// 1.5 · 0.2²/6 = 1 %, and by r²/2 more where a kernel of radius r blurs it (∇²E/E = −6, and the
+/// variance of Epanechnikov's disc is r²/6 in each direction).
+#[test]
+fn a_floor_under_a_lamp() {
+    let host = floor(0.2);
+    let lit = 0.6 / PI * 4.0 / (4.0 * PI) * (1.0 - 0.01);
+    let radius = 0.1;
+    let mut figures = Vec::new();
+    let photons = ProgressivePhotonMap::new()
+        .radius(radius)
+        .alpha(1.0)
+        .paths(5_000);
+    let blurred = lit * (1.0 - 0.5 * f64::from(radius * radius));
+    let estimate = measure(&host, &photons, 2, 0..200)[0];
+    figures.push(("photons".to_owned(), estimate, blurred, 1e-3));
+    let nearest = ProgressivePhotonMap::new().paths(5_000).nearest(200);
+    let estimate = measure(&host, &nearest, 8, 0..60)[0];
+    figures.push(("nearest".to_owned(), estimate, lit, 5e-3));
+    let statistics = nearest.radii(Radii::Statistics);
+    let estimate = measure(&host, &statistics, 8, 0..60)[0];
+    figures.push(("statistics".to_owned(), estimate, lit, 5e-3));
+    check(figures, 0.01);
+    // Nothing is scattered twice, so that sampled light has no noise but that of the pixel.
+    let sampled = ProgressivePhotonMap::sampling_lights().paths(100);
+    let mean: Moments = render(&host, &sampled, 20, 1).into_iter().collect();
+    assert!((mean.estimate().mean / lit - 1.0).abs() < 2e-3);
+}
