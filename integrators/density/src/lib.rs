@@ -68,12 +68,14 @@
 //!   Transport Simulation": the names of the estimators.
 #![forbid(unsafe_code)]
 
+mod exponential;
 mod kernel;
 mod medium;
 mod schedule;
 mod statistics;
 mod surface;
 
+pub use exponential::exp_negative;
 pub use kernel::{Kernel, RADII};
 pub use medium::{Chord, in_scattered};
 pub use schedule::{Dimension, Schedule, ScheduleError, Shrinkage};
