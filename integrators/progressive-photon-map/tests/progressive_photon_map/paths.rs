@@ -1,7 +1,10 @@
 //! The same result however light paths are cut into passes.
 
-use crate::{FALSE_ALARM, fog, measure, sphere_of_rays};
+use crate::closed_form::floor;
+use crate::{FALSE_ALARM, alone, fog, measure, sphere_of_rays};
 use glam::Vec3;
+use tyndall_core::{Integrator, Sensor};
+use tyndall_driver::{Budget, Render};
 use tyndall_progressive_photon_map::{ProgressivePhotonMap, Radii};
 use tyndall_testkit::hosts::{AnalyticHost, View};
 use tyndall_testkit::stats::{Estimate, check_mean};
@@ -49,4 +52,41 @@ fn statistics_hardly_know_passes() {
     let method = ProgressivePhotonMap::new().radii(Radii::Statistics);
     let (few, many) = (light(method, 1_600, 3_200), light(method, 100, 3_200));
     compare(few, many, 0.012 * many.mean).unwrap_or_else(|why| panic!("{why}"));
+}
+
+/// The light of one pass, the eighth.
+fn eighth<H: Sensor>(host: &H, method: ProgressivePhotonMap) -> Vec<f64>
+where
+    ProgressivePhotonMap: Integrator<H>,
+{
+    let render = Render::new(host, &method).seed(3).first_pass(7);
+    let film = alone().install(|| render.run(Budget::Passes(1), |_| {}));
+    film.expect("a film").mean().to_vec()
+}
+
+/// A pass has the radius whose square is the mean of r₀² (1 + n/n₀)^p over its paths n, with
+/// p = 2 (α − 1)/d: its light is that of the same pass with that radius given.
+fn law<H: Sensor>(host: &H, power: f64)
+where
+    ProgressivePhotonMap: Integrator<H>,
+{
+    let (paths, starting_paths, radius) = (400.0_f64, 1_000.0, 0.4_f64);
+    let integral = |pass: f64| (1.0 + pass * paths / starting_paths).powf(power + 1.0);
+    let mean = (integral(8.0) - integral(7.0)) * starting_paths / (paths * (power + 1.0));
+    let method = ProgressivePhotonMap::new().paths(400).starting_paths(1_000);
+    let shrunk = eighth(host, method.radius(radius as f32));
+    let given = method.radius((radius * mean.sqrt()) as f32).alpha(1.0);
+    let given = eighth(host, given);
+    assert!(given.iter().any(|v| *v > 0.0));
+    for (a, b) in shrunk.iter().zip(&given) {
+        assert!((a - b).abs() <= 1e-4 * b, "{a} is not {b}");
+    }
+}
+
+#[test]
+fn memoryless_radii_follow_their_law() {
+    law(&floor(1.0), -1.0 / 3.0);
+    let rays = View::Rays(sphere_of_rays(Vec3::new(0.0, 0.0, 0.7), 50));
+    let host = AnalyticHost::infinite_medium(fog(1.0, 1.0, 0.3), Vec3::ZERO, 1.0, rays);
+    law(&host, -2.0 / 7.0);
 }

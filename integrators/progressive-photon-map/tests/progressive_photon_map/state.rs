@@ -97,8 +97,6 @@ fn a_damaged_memory_is_refused() {
     }
 }
 
-/// What a pass holds is the photons, whatever the picture's size: at most 32 bytes each of three
-/// channels, less of one; and no more than is allowed.
 #[test]
 fn photons_of_a_pass_are_bounded() {
     use tyndall_core::PassError;
