@@ -97,7 +97,7 @@ impl Reach {
             self.max_radius
         };
         let part = (wanted / found as f64).min(1.0).powf(dimension.recip());
-        (found > 0).then(|| reach * part as f32)
+        (found > 0).then_some(reach * part as f32)
     }
 
     /// Squared distances of the `count` nearest of every map.
