@@ -40,10 +40,7 @@ fn ball() -> AnalyticHost<Homogeneous<Rgb>> {
 
 fn bench(c: &mut Criterion) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
-    pool.expect("a pool of one thread").install(|| passes(c));
-}
-
-fn passes(c: &mut Criterion) {
+    let pool = pool.expect("a pool of one thread");
     let (host, cancelled) = (ball(), AtomicBool::new(false));
     for paths in [1_000, 10_000, 100_000] {
         let streams = PassStreams::new(1, 7);
@@ -54,7 +51,7 @@ fn passes(c: &mut Criterion) {
             .sample_size(10)
             .throughput(Throughput::Elements(paths));
         group.bench_function(BenchmarkId::from_parameter(paths), |b| {
-            b.iter(|| method.begin_pass(&host, &cx, None).expect("a pass"));
+            b.iter(|| pool.install(|| method.begin_pass(&host, &cx, None).expect("a pass")));
         });
         group.finish();
         let mut group = c.benchmark_group("pixels of a pass");
@@ -65,15 +62,21 @@ fn passes(c: &mut Criterion) {
         for radii in [Radii::Memoryless, Radii::Statistics] {
             let method = method.radii(radii);
             let pass = method.begin_pass(&host, &cx, None).expect("a pass");
+            // Pixels that have started, and stay so: their radii are those of a second pass.
             let mut pixels = vec![Pixel::default(); samples as usize];
+            let estimate = |i: u32, pixel: &mut Pixel| {
+                let mut sampler = streams.sampler(Domain::SENSOR, i.into());
+                let ray = host.sensor_ray([i % PIXELS, i / PIXELS], sampler.next());
+                method.estimate(&host, &pass, pixel, &ray, &mut sampler)
+            };
+            for (i, pixel) in (0..).zip(&mut pixels) {
+                estimate(i, pixel);
+            }
             let name = BenchmarkId::new(format!("{radii:?}"), paths);
             group.bench_function(name, |b| {
                 b.iter(|| {
-                    for (i, pixel) in pixels.iter_mut().enumerate() {
-                        let i = i as u32;
-                        let mut sampler = streams.sampler(Domain::SENSOR, i.into());
-                        let ray = host.sensor_ray([i % PIXELS, i / PIXELS], sampler.next());
-                        black_box(method.estimate(&host, &pass, pixel, &ray, &mut sampler));
+                    for (i, pixel) in (0..).zip(&pixels) {
+                        black_box(estimate(i, &mut pixel.clone()));
                     }
                 });
             });

@@ -23,8 +23,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         emission: 0.0,
     };
     let fog = Homogeneous::new(fog, Phase::Isotropic)?;
-    let heights: Vec<f32> = (0..32).map(|i| 0.5 + 0.05 * i as f32).collect();
-    let rays = (heights.iter()).map(|h| Ray::new(Vec3::new(0.0, *h, -1.0), Vec3::Z));
+    let heights: Vec<f32> = (0..256).map(|i| 0.5 + 0.006 * i as f32).collect();
+    let rays = (0..256).zip(&heights).map(|(i, h)| {
+        let (sin, cos) = (2.4 * i as f32).sin_cos(); // each on its own side of the lamp
+        Ray::new(Vec3::new(h * cos, h * sin, -1.0), Vec3::Z)
+    });
     let host = AnalyticHost::infinite_medium(fog, Vec3::ZERO, 1.0, View::Rays(rays.collect()));
     let albedo = f64::from(ALBEDO);
     let closed_form = |h: &f32| airlight(albedo, 1.0, f64::from(*h), 1.0, f64::INFINITY);
@@ -36,7 +39,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             .starting_paths(1_000)
             .radii(radii);
         println!("{radii:?}\npasses  error, of the brightest ray");
-        Render::new(&host, &method).run(Budget::Passes(1_024), |progress| {
+        Render::new(&host, &method).run(Budget::Passes(512), |progress| {
             let film = progress.snapshot.film();
             if film.passes().is_power_of_two() {
                 let squares = film.mean().iter().zip(&light).map(|(a, b)| (a - b).powi(2));

@@ -47,7 +47,8 @@
 //! medium and of a surface, and of corners; there it falls only with the radius, not its square.
 //!
 //! # What it does not handle well
-//! Where a medium thins out to nothing, photons that lie in denser places count at collisions in
+//! By statistics, a pixel whose walks end in bright places and in dark ones has one radius for all of
+//! them. Where a medium thins out to nothing, photons that lie in denser places count at collisions in
 //! thin ones: rare bright samples. Media that emit are seen but do not light their surroundings.
 //! A pass whose maps hold fewer photons than are looked for has no measure of the radius: a point
 //! farther from them than [`max_radius`](ProgressivePhotonMap::max_radius) stays dark, and without
