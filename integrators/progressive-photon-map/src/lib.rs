@@ -55,9 +55,9 @@
 //! one (in a scene without bounds) the farthest photon is left out.
 //!
 //! # Promised ranges
-//! Radii as given from 1e-12 to 1e12 scene units ([`RADII`]), α in (0, 1], any extinction, any
-//! albedo, 1 to 2⁶⁴ light paths in all. What is out of range is an error of the first pass that
-//! meets it.
+//! Radii from 1e-12 to 1e12 scene units ([`RADII`]) as they are given and as they have shrunk, α in
+//! (0, 1], any extinction, any albedo, 1 to 2⁶⁴ light paths in all. What is out of range is an
+//! error of the first pass that meets it.
 //!
 //! # Cost
 //! Memory: the photons of one pass, 32 bytes each in three channels and 44 more while maps are
@@ -188,8 +188,9 @@ impl<D> ProgressivePhotonMap<D> {
         }
     }
 
-    /// No photon farther away is gathered, in scene units; may be infinite. Without it, a tenth of
-    /// the diagonal of the host's bounds if they are finite and not empty.
+    /// Looks for the nearest photons no farther away, in scene units; may be infinite. Without it,
+    /// a tenth of the diagonal of the host's bounds if they are finite and not empty. A
+    /// [`radius`](Self::radius) that is given is not limited.
     #[must_use]
     pub fn max_radius(self, radius: f32) -> Self {
         Self {
@@ -234,6 +235,15 @@ impl<D> ProgressivePhotonMap<D> {
             }
             Radii::Statistics => 1.0,
         };
+        match self.start {
+            Start::Radius(radius) if !RADII.contains(&(radius * scale)) => {
+                return Err(PassError::Unsupported(format!(
+                    "`radius` is {radius}, times {scale} in this pass; start with one that stays \
+                     within 1e-12 to 1e12 scene units, or use `nearest`"
+                )));
+            }
+            Start::Radius(_) | Start::Nearest(_) => {}
+        }
         let share = self.emission.paths as f64 / self.starting_paths as f64;
         Ok(Reach::new(self.start, shrinkage, share, scale, max_radius))
     }
@@ -247,9 +257,6 @@ impl<D> ProgressivePhotonMap<D> {
             (Start::Nearest(photons), _) if photons < 2 => {
                 format!("`nearest` is {photons}; look for at least 2 photons")
             }
-            (Start::Radius(radius), _) if !RADII.contains(&radius) => format!(
-                "`radius` is {radius}; start with 1e-12 to 1e12 scene units, or use `nearest`"
-            ),
             (_, Some(radius)) if radius.is_nan() || radius <= 0.0 => {
                 format!("`max_radius` is {radius}; make it more than 0, or leave it out")
             }
@@ -259,7 +266,7 @@ impl<D> ProgressivePhotonMap<D> {
     }
 }
 
-/// No photon farther away is gathered, if nothing is said.
+/// No photon farther away is looked for, if nothing is said.
 fn default_max_radius<H: Geometry>(host: &H) -> f32 {
     let bounds = host.bounds();
     let radius = 0.1 * (bounds.max - bounds.min).length();

@@ -78,7 +78,7 @@ impl Reach {
         room: &mut Room,
     ) -> Option<f32> {
         let photons = match self.start {
-            Start::Radius(radius) => return Some((radius * self.scale).min(self.max_radius)),
+            Start::Radius(radius) => return Some(radius * self.scale),
             Start::Nearest(photons) => photons as f64,
         };
         let dimension = f64::from(self.shrinkage.dimension().number());

@@ -37,6 +37,7 @@ fn error<H: Sensor>(
     (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
 }
 
+#[expect(clippy::print_stderr, reason = "the figures of the long test")]
 fn slope<H: Sensor>(
     host: &H,
     method: &dyn AnyIntegrator<H, PassStreams>,

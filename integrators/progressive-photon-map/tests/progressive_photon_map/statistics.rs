@@ -106,7 +106,6 @@ fn method() -> ProgressivePhotonMap {
         .radii(Radii::Statistics)
         .kernel(Kernel::Constant)
         .radius(RADIUS as f32)
-        .max_radius(f32::INFINITY)
         .alpha(ALPHA)
         .paths(PATHS)
         .starting_paths(STARTING_PATHS)
