@@ -1,7 +1,7 @@
 //! What passes and pixels hold.
 
 use crate::reach::{Reach, Start};
-use tyndall_core::{Spectrum, StateError};
+use tyndall_core::StateError;
 use tyndall_density::Statistics;
 use tyndall_photons::PhotonMaps;
 
@@ -11,18 +11,6 @@ pub struct Pass<S> {
     pub(crate) maps: PhotonMaps<S>,
     pub(crate) surfaces: Reach,
     pub(crate) media: Reach,
-}
-
-impl<S: Spectrum> Pass<S> {
-    /// Memory that its photons hold, in bytes.
-    pub fn bytes(&self) -> usize {
-        let PhotonMaps {
-            caustic,
-            diffuse,
-            volume,
-        } = &self.maps;
-        caustic.bytes() + diffuse.bytes() + volume.bytes()
-    }
 }
 
 /// What a pixel remembers of the photons that its walks of sight have found, 32 bytes: nothing
@@ -122,7 +110,7 @@ impl<'p> Place<'p> {
         let found = self.found as f64;
         if statistics.count == 0.0 && found > 0.0 {
             statistics.count = match self.reach.start {
-                Start::Nearest(photons) => f64::from(photons),
+                Start::Nearest(photons) => photons as f64,
                 Start::Radius(_) => found / self.reach.share,
             };
         }

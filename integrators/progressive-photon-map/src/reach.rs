@@ -13,7 +13,7 @@ const FEWEST: f64 = 16.0;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Start {
     /// Holds so many photons of the starting paths.
-    Nearest(u32),
+    Nearest(usize),
     /// Is given.
     Radius(f32),
 }
@@ -78,8 +78,8 @@ impl Reach {
         room: &mut Room,
     ) -> Option<f32> {
         let photons = match self.start {
-            Start::Radius(radius) => return Some((radius * self.scale).min(self.max_radius)),
-            Start::Nearest(photons) => f64::from(photons),
+            Start::Radius(radius) => return Some(radius * self.scale),
+            Start::Nearest(photons) => photons as f64,
         };
         let dimension = f64::from(self.shrinkage.dimension().number());
         let wanted = photons * self.share * f64::from(self.scale).powf(dimension);
@@ -97,7 +97,7 @@ impl Reach {
             self.max_radius
         };
         let part = (wanted / found as f64).min(1.0).powf(dimension.recip());
-        (found > 0).then(|| reach * part as f32)
+        (found > 0).then_some(reach * part as f32)
     }
 
     /// Squared distances of the `count` nearest of every map.
