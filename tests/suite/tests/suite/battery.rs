@@ -103,6 +103,7 @@ fn agree(name: &str) {
                 standard_error: difference.standard_error.hypot(bias.standard_error),
                 ..difference
             };
+            if i == 4 { eprintln!("DBG {name} {method}: diff {:+.3} bias {:+.3} se diff {:.3} bias {:.3} ref {:.4}", difference.mean/reference[i].mean, bias.mean/reference[i].mean, difference.standard_error/reference[i].mean, bias.standard_error/reference[i].mean, reference[i].standard_error/reference[i].mean); }
             let name = format!("{name} by {method}, figure {i} of {:?}", reference[i]);
             check_mean(&name, either, nearest, sidak(FALSE_ALARM, FIGURES))
                 .unwrap_or_else(|why| panic!("{why}"));
