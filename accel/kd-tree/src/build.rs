@@ -1,8 +1,9 @@
 //! How the tree is built.
 
-use crate::tree::{LEAF, Node, Tree, leaf_start, levels};
-use glam::Vec3;
+use crate::tree::{Block, LANES, Layout, Node, Tree};
+use glam::{Vec3, Vec4};
 use rayon::prelude::*;
+use std::cmp::Ordering;
 use tyndall_core::Aabb;
 
 /// Fewer photons are not worth another thread.
@@ -25,45 +26,36 @@ impl Tree {
                 index: i as u32,
             })
             .collect();
-        let levels = levels(len);
-        let mut nodes = vec![Node::default(); (1 << levels) - 1];
+        let layout = Layout::new(len);
+        let mut nodes = vec![Node::default(); layout.leaves() - 1];
         let bounds = bounds_of(&items);
-        let splitter = Splitter { len, levels };
-        splitter.split(&mut items, &mut nodes, 0, bounds);
-        let coordinates = [0, 1, 2].map(|axis| {
-            let mut all = Vec::with_capacity(len + LEAF);
-            all.par_extend(items.par_iter().map(|item| item.position[axis]));
-            all.resize(len + LEAF, 0.0);
-            all
-        });
+        layout.split(&mut items, &mut nodes, 0, bounds);
         let tree = Self {
             len,
-            levels,
+            layout,
             bounds,
             nodes,
-            coordinates,
+            blocks: items.par_chunks(LANES).map(block).collect(),
         };
         (tree, items.par_iter().map(|item| item.index).collect())
     }
 }
 
-struct Splitter {
-    len: usize,
-    levels: u32,
-}
-
-impl Splitter {
+impl Layout {
     /// Divides the items of the leaves from `leaf` on, one more than `nodes`, at the median of
     /// the widest axis of their bounds.
-    fn split(&self, items: &mut [Item], nodes: &mut [Node], leaf: usize, bounds: Aabb) {
+    fn split(self, items: &mut [Item], nodes: &mut [Node], leaf: usize, bounds: Aabb) {
         let half = nodes.len().div_ceil(2);
         let Some((node, below)) = nodes.split_first_mut() else {
             return;
         };
-        let start = |leaf| leaf_start(self.len, self.levels, leaf);
-        let middle = start(leaf + half) - start(leaf);
+        let middle = LANES * (self.start(leaf + half) - self.start(leaf));
         let axis = bounds.size().max_position();
-        items.select_nth_unstable_by(middle, |a, b| a.position[axis].total_cmp(&b.position[axis]));
+        match axis {
+            0 => select::<0>(items, middle),
+            1 => select::<1>(items, middle),
+            _ => select::<2>(items, middle),
+        }
         let (lower, upper) = items.split_at_mut(middle);
         let [lower_bounds, upper_bounds] = [bounds_of(lower), bounds_of(upper)];
         *node = Node {
@@ -84,6 +76,37 @@ impl Splitter {
     }
 }
 
+/// Moves the `middle` smallest of an axis to the front. Coordinates are finite; comparing them as
+/// such, along an axis that the compiler knows, saves a tenth of the time of building.
+fn select<const AXIS: usize>(items: &mut [Item], middle: usize) {
+    items.select_nth_unstable_by(middle, |a, b| {
+        let order = a.position[AXIS].partial_cmp(&b.position[AXIS]);
+        order.unwrap_or(Ordering::Equal)
+    });
+}
+
+/// The block of at most four items.
+fn block(items: &[Item]) -> Block {
+    let lanes = |axis| {
+        let mut lanes = Vec4::NAN;
+        for (i, item) in items.iter().enumerate() {
+            lanes[i] = item.position[axis];
+        }
+        lanes
+    };
+    Block {
+        x: lanes(0),
+        y: lanes(1),
+        z: lanes(2),
+    }
+}
+
 fn bounds_of(items: &[Item]) -> Aabb {
-    Aabb::of_points(items.iter().map(|item| Vec3::from_array(item.position)))
+    items.iter().fold(Aabb::EMPTY, |bounds, item| {
+        let position = Vec3::from_array(item.position);
+        Aabb {
+            min: bounds.min.min(position),
+            max: bounds.max.max(position),
+        }
+    })
 }

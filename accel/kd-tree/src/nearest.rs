@@ -11,8 +11,9 @@ pub struct Neighbour {
 
 /// Room for the k nearest photons of a query, reused from one to the next.
 ///
-/// It keeps up to 2k candidates and drops all but the k nearest when it is full, which costs less
-/// than a heap. The memory, 32k bytes, is taken at the first query and kept.
+/// It keeps up to 2k candidates and drops all but the k nearest when it is full, at a cost a
+/// candidate that does not grow with k. The memory, 32k bytes or less, is taken at the first query
+/// and kept.
 #[derive(Clone, Debug, Default)]
 pub struct Nearest {
     k: usize,
@@ -29,21 +30,25 @@ impl Nearest {
     }
 
     /// How many are looked for.
+    #[inline]
     pub fn k(&self) -> usize {
         self.k
     }
 
     /// What the last query found, at most k: the farthest is last, the others are in no order.
+    #[inline]
     pub fn found(&self) -> &[Neighbour] {
         &self.found
     }
 
     /// The farthest that the last query found.
+    #[inline]
     pub fn farthest(&self) -> Option<Neighbour> {
         self.found.last().copied()
     }
 
     /// Forgets the last query; `photons` is how many could be found.
+    #[inline]
     pub(crate) fn begin(&mut self, photons: usize) {
         self.found.clear();
         self.found.reserve(self.capacity().min(photons));
@@ -61,10 +66,12 @@ impl Nearest {
     }
 
     /// Ends a query.
+    #[inline]
     pub(crate) fn end(&mut self) {
         self.keep(self.k.min(self.found.len()));
     }
 
+    #[inline]
     fn capacity(&self) -> usize {
         self.k.saturating_mul(2)
     }

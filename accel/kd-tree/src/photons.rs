@@ -88,7 +88,7 @@ impl<S: Spectrum> Photons<S> {
     pub fn bytes(&self) -> usize {
         size_of::<Self>()
             + held(&self.tree.nodes)
-            + self.tree.coordinates.iter().map(held).sum::<usize>()
+            + held(&self.tree.blocks)
             + held(&self.directions)
             + held(&self.flux)
             + held(&self.medium_indices)
@@ -145,12 +145,8 @@ impl<S: Spectrum> Photons<S> {
     #[inline]
     pub fn within(&self, center: Vec3, radius: f32, mut visit: impl FnMut(usize, f32)) {
         let limit = limit(radius);
-        self.tree.visit_leaves(center, limit, |start, distances| {
-            for (i, &distance_squared) in distances.iter().enumerate() {
-                if distance_squared < limit {
-                    visit(start + i, distance_squared);
-                }
-            }
+        self.tree.visit(center, limit, |slot, distance_squared| {
+            visit(slot, distance_squared);
             limit
         });
     }
@@ -202,16 +198,15 @@ impl<S: Spectrum> Photons<S> {
     ) {
         nearest.begin(self.len());
         let mut limit = if nearest.k() > 0 { limit } else { 0.0 };
-        self.tree.visit_leaves(center, limit, |start, distances| {
-            for (i, &distance_squared) in distances.iter().enumerate() {
-                let slot = start + i;
-                if distance_squared < limit && accept(slot) {
-                    let neighbour = Neighbour {
+        self.tree.visit(center, limit, |slot, distance_squared| {
+            if accept(slot) {
+                limit = nearest.add(
+                    Neighbour {
                         slot,
                         distance_squared,
-                    };
-                    limit = nearest.add(neighbour, limit);
-                }
+                    },
+                    limit,
+                );
             }
             limit
         });

@@ -1,11 +1,12 @@
 //! The balanced tree over positions.
 
-use glam::Vec3;
-use std::ops::Range;
+use glam::{Vec3, Vec3A, Vec4};
 use tyndall_core::Aabb;
 
-/// Most photons of a leaf.
-pub(crate) const LEAF: usize = 16;
+/// Photons of a block.
+pub(crate) const LANES: usize = 4;
+/// Most blocks of a leaf.
+const LEAF: usize = 4;
 
 /// Where a range of photons is divided in two halves.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -18,91 +19,109 @@ pub(crate) struct Node {
     pub(crate) axis: u32,
 }
 
-/// Positions in the order of the leaves of a balanced kd-tree.
+/// The positions of four photons; NaN where there is none.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Block {
+    pub(crate) x: Vec4,
+    pub(crate) y: Vec4,
+    pub(crate) z: Vec4,
+}
+
+/// How blocks are shared out among the leaves of a balanced tree.
 ///
-/// There are 2^levels leaves of equal size, give or take one photon: leaf j holds the slots from
-/// ⌊j n / 2^levels⌋. Nodes lie in depth-first order, so that neither leaves nor nodes need
-/// pointers: of a node i over 2h leaves the children are i + 1 and i + h.
+/// There are 2^levels leaves of equal size, give or take one block: leaf j holds the blocks from
+/// ⌊j · blocks / 2^levels⌋ on. Nodes lie in depth-first order, so that neither leaves nor nodes
+/// need pointers: of a node i over 2h leaves the children are i + 1 and i + h.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Layout {
+    blocks: usize,
+    levels: u32,
+}
+
+impl Layout {
+    /// That of `len` photons.
+    pub(crate) fn new(len: usize) -> Self {
+        let blocks = len.div_ceil(LANES);
+        let leaves = blocks.div_ceil(LEAF).max(1).next_power_of_two();
+        Self {
+            blocks,
+            levels: leaves.ilog2(),
+        }
+    }
+
+    #[inline]
+    pub(crate) fn leaves(self) -> usize {
+        1 << self.levels
+    }
+
+    /// First block of a leaf; for the one after the last, the number of blocks.
+    #[inline]
+    pub(crate) fn start(self, leaf: usize) -> usize {
+        ((leaf as u64 * self.blocks as u64) >> self.levels) as usize
+    }
+}
+
+/// Positions in the order of the leaves of a balanced kd-tree.
 #[derive(Clone, Debug)]
 pub(crate) struct Tree {
     pub(crate) len: usize,
-    pub(crate) levels: u32,
+    pub(crate) layout: Layout,
     pub(crate) bounds: Aabb,
     pub(crate) nodes: Vec<Node>,
-    /// Coordinates, with [`LEAF`] more at the end so that every leaf can be read as a full one.
-    pub(crate) coordinates: [Vec<f32>; 3],
+    pub(crate) blocks: Vec<Block>,
 }
 
 impl Default for Tree {
     fn default() -> Self {
         Self {
             len: 0,
-            levels: 0,
+            layout: Layout::default(),
             bounds: Aabb::EMPTY,
             nodes: Vec::new(),
-            coordinates: [(); 3].map(|()| vec![0.0; LEAF]),
+            blocks: Vec::new(),
         }
     }
 }
 
-/// The fewest levels that leave no more than [`LEAF`] photons a leaf.
-pub(crate) fn levels(len: usize) -> u32 {
-    len.div_ceil(LEAF).max(1).next_power_of_two().ilog2()
-}
-
 impl Tree {
-    /// First slot of a leaf; `len` for the one after the last.
-    #[inline]
-    pub(crate) fn leaf_start(&self, leaf: usize) -> usize {
-        leaf_start(self.len, self.levels, leaf)
-    }
-
-    /// Slots of `span` leaves.
-    #[inline]
-    pub(crate) fn slots(&self, leaf: usize, span: usize) -> Range<usize> {
-        self.leaf_start(leaf)..self.leaf_start(leaf + span)
-    }
-
     #[inline]
     pub(crate) fn position(&self, slot: usize) -> Vec3 {
         assert!(slot < self.len, "slot {slot} of {} photons", self.len);
-        Vec3::from_array([0, 1, 2].map(|axis| self.coordinates[axis][slot]))
+        self.lanes(slot)
     }
 
-    /// Visits leaves that may hold photons whose squared distance from `center` is below `limit`,
-    /// the nearer child first. `visit` takes the first slot, the number of photons and their
-    /// squared distances, and returns a new limit.
-    pub(crate) fn visit_leaves(
-        &self,
-        center: Vec3,
-        limit: f32,
-        visit: impl FnMut(usize, &[f32]) -> f32,
-    ) {
+    /// The position at a slot that may lie beyond the last.
+    #[inline]
+    pub(crate) fn lanes(&self, slot: usize) -> Vec3 {
+        let (block, lane) = (&self.blocks[slot / LANES], slot % LANES);
+        Vec3::new(block.x[lane], block.y[lane], block.z[lane])
+    }
+
+    /// Visits photons whose squared distance from `center` is below `limit`, nearer leaves first.
+    /// `visit` takes the slot and the squared distance of a photon, and returns a new limit.
+    #[inline]
+    pub(crate) fn visit(&self, center: Vec3, limit: f32, visit: impl FnMut(usize, f32) -> f32) {
         let outside = (self.bounds.min - center).max(center - self.bounds.max);
-        let offset = outside.max(Vec3::ZERO).to_array();
+        let offset = Vec3A::from(outside.max(Vec3::ZERO));
         let mut search = Search {
             tree: self,
             center: center.to_array(),
             limit,
             visit,
         };
-        if square(offset) < limit {
-            search.descend(0, 0, 1 << self.levels, offset);
+        if center.is_finite() && square(offset) < limit {
+            search.descend(0, 0, self.layout.leaves(), offset);
         }
     }
 }
 
-/// ⌊leaf · len / 2^levels⌋.
+/// The square of a length. Differences, squares and sums of floating-point numbers are monotonic:
+/// as long as the sum is taken in one order, the distance of a box is never above that of a
+/// photon in it.
 #[inline]
-pub(crate) fn leaf_start(len: usize, levels: u32, leaf: usize) -> usize {
-    ((leaf as u64 * len as u64) >> levels) as usize
-}
-
-/// The one way in which squares are summed: differences, squares and sums of floating-point
-/// numbers are monotonic, so that the distance of a box is never above that of a photon in it.
-#[inline]
-fn square([x, y, z]: [f32; 3]) -> f32 {
-    x * x + y * y + z * z
+fn square(offset: Vec3A) -> f32 {
+    let [x, y, z] = (offset * offset).to_array();
+    x + y + z
 }
 
 struct Search<'t, F> {
@@ -112,25 +131,22 @@ struct Search<'t, F> {
     visit: F,
 }
 
-impl<F: FnMut(usize, &[f32]) -> f32> Search<'_, F> {
+impl<F: FnMut(usize, f32) -> f32> Search<'_, F> {
     /// Searches the subtree of `node` over `span` leaves; `offset` is how far its box is from the
     /// centre along each axis (Arya & Mount 1993, "Algorithms for fast vector quantization").
-    fn descend(&mut self, mut node: usize, mut leaf: usize, mut span: usize, mut offset: [f32; 3]) {
+    fn descend(&mut self, mut node: usize, mut leaf: usize, mut span: usize, mut offset: Vec3A) {
         while span > 1 {
             let half = span / 2;
-            let Node {
-                lower_max,
-                upper_min,
-                axis,
-            } = self.tree.nodes[node];
-            let axis = axis as usize;
-            let to_lower = self.center[axis] - lower_max;
-            let to_upper = upper_min - self.center[axis];
-            let [mut lower, mut upper] = [offset; 2];
-            lower[axis] = lower[axis].max(to_lower);
-            upper[axis] = upper[axis].max(to_upper);
-            let lower = (node + 1, leaf, lower);
-            let upper = (node + half, leaf + half, upper);
+            let split = self.tree.nodes[node];
+            let axis = split.axis as usize;
+            let to_lower = self.center[axis] - split.lower_max;
+            let to_upper = split.upper_min - self.center[axis];
+            let lower = (node + 1, leaf, offset.max(to_lower * Vec3A::AXES[axis]));
+            let upper = (
+                node + half,
+                leaf + half,
+                offset.max(to_upper * Vec3A::AXES[axis]),
+            );
             let (near, far) = if to_lower < to_upper {
                 (lower, upper)
             } else {
@@ -139,30 +155,37 @@ impl<F: FnMut(usize, &[f32]) -> f32> Search<'_, F> {
             if square(near.2) < self.limit {
                 self.descend(near.0, near.1, half, near.2);
             }
-            (node, leaf, offset) = far;
-            span = half;
-            let reached = square(offset) < self.limit;
+            let reached = square(far.2) < self.limit;
             if !reached {
                 return;
             }
+            (node, leaf, offset) = far;
+            span = half;
         }
         self.scan(leaf);
     }
 
     /// Visits one leaf.
+    #[inline]
     fn scan(&mut self, leaf: usize) {
-        let slots = self.tree.slots(leaf, 1);
-        let mut distances = [0.0; LEAF];
-        let [x, y, z] = &self.tree.coordinates;
-        let full = slots.start..slots.start + LEAF;
-        let (x, y, z) = (&x[full.clone()], &y[full.clone()], &z[full]);
-        for i in 0..LEAF {
-            distances[i] = square([
-                x[i] - self.center[0],
-                y[i] - self.center[1],
-                z[i] - self.center[2],
-            ]);
+        let [x, y, z] = self.center.map(Vec4::splat);
+        let limit = Vec4::splat(self.limit);
+        let layout = self.tree.layout;
+        let start = layout.start(leaf);
+        let mut distances = [[0.0; LANES]; LEAF];
+        let mut near = 0;
+        let blocks = &self.tree.blocks[start..layout.start(leaf + 1)];
+        for (i, (block, distances)) in blocks.iter().zip(&mut distances).enumerate() {
+            let (dx, dy, dz) = (block.x - x, block.y - y, block.z - z);
+            let squares = dx * dx + dy * dy + dz * dz;
+            near |= squares.cmplt(limit).bitmask() << (LANES * i);
+            *distances = squares.to_array();
         }
-        self.limit = (self.visit)(slots.start, &distances[..slots.len()]);
+        while near != 0 {
+            let i = near.trailing_zeros() as usize;
+            let distance_squared = distances.as_flattened()[i];
+            self.limit = (self.visit)(LANES * start + i, distance_squared);
+            near &= near - 1;
+        }
     }
 }

@@ -29,8 +29,8 @@ const GAUSSIAN: f32 = 4.5;
 /// Radii outside [`RADII`] have weight 0: within a radius of 0 there is nothing, over an infinite
 /// one the density is 0. What is not a number has weight 0 too.
 ///
-/// Sources: Silverman (1986), "Density Estimation for Statistics and Data Analysis", §4.2 for the
-/// family of (1 − u²)ᵏ; Jensen (2001), "Realistic Image Synthesis Using Photon Mapping", §7.2.1 for
+/// Sources: Silverman (1986), "Density Estimation for Statistics and Data Analysis", for the
+/// family of (1 − u²)ᵏ; Jensen (2001), "Realistic Image Synthesis Using Photon Mapping", for
 /// cone and Gaussian. Deviations: the cone reaches 0 at the radius (Jensen's k = 1), and the
 /// Gaussian is normalised for its cut at the radius, which Jensen's constants (0.918, 1.953) are
 /// not.
@@ -59,7 +59,7 @@ impl Kernel {
     /// ```
     #[inline]
     pub fn weight_1d(self, distance_squared: f32, radius: f32) -> f32 {
-        let inverse = 1.0 / radius;
+        let inverse = inverse(radius);
         let constant = match self {
             Self::Constant => 0.5,
             Self::Epanechnikov => 0.75,
@@ -67,7 +67,7 @@ impl Kernel {
             Self::Cone => 1.0,
             Self::Gaussian => 1.200_066_8,
         };
-        self.shape(distance_squared, radius, inverse) * constant * inverse
+        self.shape(distance_squared, inverse) * constant * inverse
     }
 
     /// The weight on a disc, 1/unit².
@@ -80,14 +80,14 @@ impl Kernel {
     #[inline]
     pub fn weight_2d(self, distance_squared: f32, radius: f32) -> f32 {
         use std::f32::consts::FRAC_1_PI;
-        let inverse = 1.0 / radius;
+        let inverse = inverse(radius);
         let constant = match self {
             Self::Constant => FRAC_1_PI,
             Self::Epanechnikov => 2.0 * FRAC_1_PI,
             Self::Biweight | Self::Cone => 3.0 * FRAC_1_PI,
             Self::Gaussian => 1.448_485_7,
         };
-        self.shape(distance_squared, radius, inverse) * constant * (inverse * inverse)
+        self.shape(distance_squared, inverse) * constant * (inverse * inverse)
     }
 
     /// The weight in a ball, 1/unit³.
@@ -100,7 +100,7 @@ impl Kernel {
     #[inline]
     pub fn weight_3d(self, distance_squared: f32, radius: f32) -> f32 {
         use std::f32::consts::FRAC_1_PI;
-        let inverse = 1.0 / radius;
+        let inverse = inverse(radius);
         let constant = match self {
             Self::Constant => 0.75 * FRAC_1_PI,
             Self::Epanechnikov => 1.875 * FRAC_1_PI,
@@ -108,22 +108,33 @@ impl Kernel {
             Self::Cone => 3.0 * FRAC_1_PI,
             Self::Gaussian => 1.766_057_6,
         };
-        self.shape(distance_squared, radius, inverse) * constant * (inverse * inverse * inverse)
+        self.shape(distance_squared, inverse) * constant * (inverse * inverse * inverse)
     }
 
-    /// s(u); 0 beyond the radius and for radii that are not promised.
+    /// s(u); 0 beyond the radius.
     #[inline]
-    fn shape(self, distance_squared: f32, radius: f32, inverse: f32) -> f32 {
+    fn shape(self, distance_squared: f32, inverse: f32) -> f32 {
         let u_squared = distance_squared * (inverse * inverse);
-        if !(u_squared <= 1.0 && RADII.contains(&radius)) {
+        if u_squared.is_nan() || u_squared > 1.0 {
             return 0.0;
         }
         match self {
             Self::Constant => 1.0,
             Self::Epanechnikov => 1.0 - u_squared,
             Self::Biweight => (1.0 - u_squared) * (1.0 - u_squared),
-            Self::Cone => 1.0 - u_squared.sqrt(),
+            // A squared distance found by subtraction may be less than 0.
+            Self::Cone => 1.0 - u_squared.max(0.0).sqrt(),
             Self::Gaussian => (-GAUSSIAN * u_squared).exp(),
         }
+    }
+}
+
+/// 1/r; 0 for radii that are not promised, so that their weights are.
+#[inline]
+fn inverse(radius: f32) -> f32 {
+    if RADII.contains(&radius) {
+        1.0 / radius
+    } else {
+        0.0
     }
 }

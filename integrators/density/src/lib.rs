@@ -63,16 +63,19 @@
 //! - Toshiya Hachisuka, Shinji Ogaki, Henrik Wann Jensen (2008), "Progressive Photon Mapping".
 //! - Toshiya Hachisuka, Henrik Wann Jensen (2009), "Stochastic Progressive Photon Mapping".
 //! - Claude Knaus, Matthias Zwicker (2011), "Progressive Photon Mapping: A Probabilistic Approach".
+//! - Anton Kaplanyan, Carsten Dachsbacher (2013), "Adaptive Progressive Photon Mapping".
 //! - Jaroslav Křivánek et al. (2014), "Unifying Points, Beams, and Paths in Volumetric Light
 //!   Transport Simulation": the names of the estimators.
 #![forbid(unsafe_code)]
 
+mod exponential;
 mod kernel;
 mod medium;
 mod schedule;
 mod statistics;
 mod surface;
 
+pub use exponential::exp_negative;
 pub use kernel::{Kernel, RADII};
 pub use medium::{Chord, in_scattered};
 pub use schedule::{Dimension, Schedule, ScheduleError, Shrinkage};

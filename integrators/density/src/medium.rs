@@ -12,8 +12,8 @@ use tyndall_core::{PhaseFunction, Spectrum};
 /// See the table of the crate.
 ///
 /// Jensen & Christensen (1998), "Efficient Simulation of Light Transport in Scenes with
-/// Participating Media using Photon Maps", eq. 10; Jarosz, Zwicker & Jensen (2008), "The Beam
-/// Radiance Estimate for Volumetric Photon Mapping", eq. 13.
+/// Participating Media using Photon Maps"; Jarosz, Zwicker & Jensen (2008), "The Beam
+/// Radiance Estimate for Volumetric Photon Mapping".
 ///
 /// ```
 /// use glam::Vec3;
@@ -46,7 +46,8 @@ pub struct Chord {
 
 impl Chord {
     /// The chord of a ray that ends at `t_max` and passes the photon at `t` (negative if that is
-    /// behind its origin) at the given squared distance; `None` if no part of the ray is inside.
+    /// behind its origin) at the given squared distance; `None` if no part of the ray is inside, or
+    /// if the radius is infinite and the photon's density 0.
     ///
     /// ```
     /// use tyndall_density::Chord;
@@ -58,7 +59,8 @@ impl Chord {
     pub fn new(t: f32, distance_squared: f32, radius: f32, t_max: f32) -> Option<Self> {
         let half = (radius * radius - distance_squared).sqrt(); // NaN outside
         let length = half.min(t) + half.min(t_max - t);
-        (half > 0.0 && half.is_finite() && length > 0.0).then(|| Self {
+        let inside = half > 0.0 && half.is_finite() && length > 0.0 && t.is_finite();
+        inside.then(|| Self {
             start: (t - half).max(0.0),
             length,
         })

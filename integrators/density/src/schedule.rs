@@ -48,7 +48,7 @@ impl Shrinkage {
     }
 
     /// α = 4/(4 + d), for which the squared error falls fastest: as n^−4/(4+d) (Kaplanyan &
-    /// Dachsbacher 2013, "Adaptive Progressive Photon Mapping", §4; Knaus & Zwicker 2011).
+    /// Dachsbacher 2013, "Adaptive Progressive Photon Mapping").
     ///
     /// ```
     /// use tyndall_density::{Dimension, Shrinkage};
@@ -75,7 +75,7 @@ impl Shrinkage {
 }
 
 /// The memoryless radii of Knaus & Zwicker (2011), "Progressive Photon Mapping: A Probabilistic
-/// Approach", eq. 20, indexed by light paths.
+/// Approach", indexed by light paths.
 ///
 /// Their rᵢ₊₁ᵈ/rᵢᵈ = (i + α)/(i + 1) is a product that tends to a power of the pass. Taken here is
 /// the power itself, of the paths n traced before:
@@ -84,13 +84,14 @@ impl Shrinkage {
 /// r(n)ᵈ = r₀ᵈ (1 + n/n₀)^(α−1)
 /// ```
 ///
-/// where n₀ are the paths for which the starting radius r₀ is meant. With passes of n₀ paths it
-/// exceeds their product by the factor Γ(1 + α) in the limit (0.93, 0.90, 0.89 for the optimal α of
-/// one, two and three dimensions): a matter of r₀.
+/// where n₀ are the paths for which the starting radius r₀ is meant. With passes of n₀ paths it is
+/// Γ(1 + α) times their product in the limit (0.93, 0.90, 0.89 for the optimal α of one, two and
+/// three dimensions): a matter of r₀.
 ///
 /// A pass traces the paths of a range and uses *one* radius, the root of the mean of r(n)² over
 /// them. The bias of a smoothed density is ∝ r² to leading order, whatever the dimension, so that
-/// the expected image after n paths does not depend on how they were cut into passes.
+/// the expected image after n paths does not depend on how they were cut into passes (of equal
+/// paths, or weighted by them).
 ///
 /// ```
 /// use tyndall_density::{Dimension, Schedule, Shrinkage};
@@ -126,8 +127,8 @@ impl Schedule {
     /// starting radius: in (0, 1], the same for a radius fixed for all photons and for one of each.
     ///
     /// With p = 2(α−1)/d, x = 1 + first/n₀ and y = paths/(n₀ + first), the mean of (n/n₀ + 1)ᵖ is
-    /// xᵖ ((1+y)^(p+1) − 1)/((p+1) y), computed without cancellation for any `paths`. A pass
-    /// without paths has the radius at its start.
+    /// xᵖ ((1+y)^(p+1) − 1)/((p+1) y), computed without cancellation for any `paths` and
+    /// any p. A pass without paths has the radius at its start.
     pub fn scale(&self, first_path: u64, paths: u64) -> f32 {
         let start = self.starting_paths + first_path as f64;
         let stretch = paths as f64 / start;

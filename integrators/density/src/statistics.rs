@@ -4,7 +4,7 @@ use crate::Shrinkage;
 
 /// What a place remembers of the photons found near it: its radius and how many it has kept.
 ///
-/// Hachisuka, Ogaki & Jensen (2008), "Progressive Photon Mapping", §4; Hachisuka & Jensen (2009),
+/// Hachisuka, Ogaki & Jensen (2008), "Progressive Photon Mapping"; Hachisuka & Jensen (2009),
 /// "Stochastic Progressive Photon Mapping", where the place is a pixel and each pass estimates at
 /// another point. With N photons kept and M found in a pass,
 ///

@@ -33,7 +33,7 @@ const SHARP: f32 = 10.0;
 ///
 /// in W·sr⁻¹·m⁻²: Φ·K₂ is irradiance on the *geometric* surface, which the ratio turns to the one
 /// that shading sees; the ratio is bounded by 100. Jensen (1996), "Global Illumination Using Photon
-/// Maps", eq. 8; the ratio: Veach (1997), "Robust Monte Carlo Methods for Light Transport
+/// Maps"; the ratio: Veach (1997), "Robust Monte Carlo Methods for Light Transport
 /// Simulation", §5.3.
 #[derive(Clone, Debug)]
 pub struct SurfacePoint<'h, H: Geometry + Shading> {

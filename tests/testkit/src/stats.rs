@@ -13,17 +13,22 @@
 //! | do samples follow this density of directions? | [`chi2_sphere`] |
 //! | do counts follow these expectations? | [`chi2_test`] |
 //! | do numbers follow this distribution? | [`kolmogorov_smirnov`] |
+//!
+//! Errors that fall as a power have no test of their own: [`rmse`] measures them, [`log_log_slope`]
+//! the power with its standard error.
 
 mod chi2;
 mod image;
 mod kolmogorov;
 mod mean;
+mod slope;
 mod sphere;
 
 pub use chi2::chi2_test;
 pub use image::{ImageComparison, ImageEstimate, compare_images, z_test_images};
 pub use kolmogorov::kolmogorov_smirnov;
 pub use mean::{Estimate, Moments, ROUNDING, assert_mean, check_mean, check_means, p_value};
+pub use slope::{Slope, log_log_slope, rmse};
 pub use sphere::chi2_sphere;
 pub(crate) use sphere::integral_near;
 

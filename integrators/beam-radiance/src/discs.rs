@@ -1,0 +1,132 @@
+//! Photons of a medium as discs.
+
+use crate::Blur;
+use glam::Vec3;
+use std::f32::consts::PI;
+use tyndall_bvh::{Discs, Quality};
+use tyndall_core::{MediumId, PassError, Ray, Spectrum};
+use tyndall_density::RADII;
+use tyndall_kd_tree::Photons;
+
+use crate::options::unsupported;
+
+/// The photons of one medium, and what is met of them along rays.
+#[derive(Clone, Debug)]
+pub(crate) struct PhotonDiscs<S> {
+    pub(crate) medium: MediumId,
+    blur: Blur,
+    discs: Discs,
+    /// In the order of the slots.
+    photons: Vec<Payload<S>>,
+}
+
+/// What a photon brings along.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Payload<S> {
+    /// Of travel.
+    pub(crate) direction: Vec3,
+    /// 1/r².
+    pub(crate) inverse_squared: f32,
+    /// What is scattered of its flux, over r² (disc) or over the volume (ball).
+    pub(crate) flux: S,
+}
+
+/// A photon on a ray.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Hit {
+    pub(crate) slot: u32,
+    /// Where the ray passes the centre of a disc, or enters a ball.
+    pub(crate) t: f32,
+    /// How much of a ball the ray runs through.
+    pub(crate) length: f32,
+    /// Squared distance from the centre.
+    pub(crate) distance_squared: f32,
+}
+
+impl<S: Spectrum> PhotonDiscs<S> {
+    /// Of the photons in `medium`, with the radius of every slot of `photons`.
+    pub(crate) fn build(
+        photons: &Photons<S>,
+        radii: &[f32],
+        medium: MediumId,
+        blur: Blur,
+    ) -> Result<Self, PassError> {
+        let (mut slots, mut centers, mut of_slots) = (Vec::new(), Vec::new(), Vec::new());
+        for (slot, &radius) in radii.iter().enumerate() {
+            if photons.medium(slot) == medium && RADII.contains(&radius) {
+                slots.push(slot as u32);
+                centers.push(photons.position(slot));
+                of_slots.push(radius);
+            }
+        }
+        let discs = Discs::build(&centers, &of_slots, Quality::Fast).map_err(unsupported)?;
+        let payload = |&index: &u32| {
+            let (slot, radius) = (slots[index as usize] as usize, of_slots[index as usize]);
+            let inverse = 1.0 / radius;
+            let density = match blur {
+                Blur::Disc => inverse * inverse,
+                Blur::Ball => inverse * inverse * inverse * (0.75 / PI),
+            };
+            Payload {
+                direction: photons.direction(slot),
+                inverse_squared: inverse * inverse,
+                flux: photons.flux(slot) * density,
+            }
+        };
+        let photons = discs.order().iter().map(payload).collect();
+        Ok(Self {
+            medium,
+            blur,
+            discs,
+            photons,
+        })
+    }
+
+    #[inline]
+    pub(crate) fn photon(&self, slot: u32) -> &Payload<S> {
+        &self.photons[slot as usize]
+    }
+
+    pub(crate) fn blur(&self) -> Blur {
+        self.blur
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.photons.len()
+    }
+
+    pub(crate) fn bytes(&self) -> usize {
+        self.discs.bytes() + size_of_val(self.photons.as_slice())
+    }
+
+    /// Puts all photons that the ray meets into `hits`, once each.
+    pub(crate) fn along(&self, ray: &Ray, hits: &mut Vec<Hit>) {
+        hits.clear();
+        match self.blur {
+            Blur::Disc => self.discs.along(ray, |slot, t, distance_squared| {
+                hits.push(Hit {
+                    slot: slot as u32,
+                    t,
+                    length: 0.0,
+                    distance_squared,
+                });
+            }),
+            Blur::Ball => self.discs.chords(ray, |slot, distance_squared, t0, t1| {
+                // The difference of two ends far along the ray would have lost a small ball.
+                let cut = t0 <= 0.0 || t1 >= ray.t_max;
+                let length = if cut {
+                    t1 - t0
+                } else {
+                    let squared = 1.0 / self.photons[slot].inverse_squared - distance_squared;
+                    2.0 * squared.max(0.0).sqrt()
+                };
+                hits.push(Hit {
+                    slot: slot as u32,
+                    t: t0,
+                    length,
+                    distance_squared,
+                });
+            }),
+        }
+    }
+}

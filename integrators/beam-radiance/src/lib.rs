@@ -1,0 +1,229 @@
+//! The beam radiance estimate: photons in media, gathered along a whole ray at once.
+#![forbid(unsafe_code)]
+
+mod depth;
+mod discs;
+mod flights;
+mod gather;
+mod options;
+mod pass;
+mod sight;
+
+pub use options::{Blur, Transmittance};
+pub use pass::Pass;
+
+use gather::BeamGather;
+use options::{Radii, ensure, shrinkage};
+use sight::Beams;
+use std::marker::PhantomData;
+use tyndall_core::{
+    Geometry, Integrator, LightEmission, Media, PassContext, PassError, Sampler, SensorRay,
+    Shading, StateError, Streams,
+};
+use tyndall_density::{Dimension, Kernel};
+use tyndall_photons::{Emission, Gather, PhotonMaps, radiance};
+use tyndall_walk::{ByPhotons, BySampling, DirectLight};
+
+/// The beam radiance estimate. `D` says who finds light that nothing has scattered before.
+#[derive(Clone, Copy, Debug)]
+pub struct BeamRadiance<D = ByPhotons> {
+    emission: Emission,
+    starting_paths: u64,
+    volume: Radii,
+    surfaces: Radii,
+    kernel: Kernel,
+    blur: Blur,
+    transmittance: Transmittance,
+    alpha: Option<f64>,
+    direct: PhantomData<D>,
+}
+
+impl BeamRadiance<ByPhotons> {
+    /// Photons bring all light.
+    pub fn new() -> Self {
+        Self::default()
+    }
+}
+
+impl BeamRadiance<BySampling> {
+    /// Light that arrives straight from its source is sampled, at surfaces and at one point of
+    /// every segment in a medium.
+    pub fn sampling_lights() -> Self {
+        Self::default()
+    }
+}
+
+impl<D> Default for BeamRadiance<D> {
+    fn default() -> Self {
+        Self {
+            emission: Emission::default(),
+            starting_paths: Emission::default().paths,
+            volume: Radii::nearest(30),
+            surfaces: Radii::nearest(50),
+            kernel: Kernel::default(),
+            blur: Blur::default(),
+            transmittance: Transmittance::default(),
+            alpha: None,
+            direct: PhantomData,
+        }
+    }
+}
+
+impl<D> BeamRadiance<D> {
+    /// Light paths a pass; 100,000 by default. Radii do not depend on it.
+    #[must_use]
+    pub fn paths(mut self, paths: u64) -> Self {
+        self.emission.paths = paths;
+        self
+    }
+
+    /// Bytes that photons may take while they are traced; 4 GiB by default.
+    #[must_use]
+    pub fn max_bytes(mut self, bytes: u64) -> Self {
+        self.emission.max_bytes = bytes;
+        self
+    }
+
+    /// The light paths for which `nearest`, and every radius at the start, is meant; 100,000 by
+    /// default.
+    #[must_use]
+    pub fn starting_paths(mut self, paths: u64) -> Self {
+        self.starting_paths = paths;
+        self
+    }
+
+    /// The radius of a photon in a medium reaches to its so many-th nearest other, among those of
+    /// [`BeamRadiance::starting_paths`]; 30 by default.
+    #[must_use]
+    pub fn nearest(mut self, photons: usize) -> Self {
+        self.volume.nearest = photons;
+        self.volume.fixed = None;
+        self
+    }
+
+    /// But it is not larger than this; infinite by default.
+    #[must_use]
+    pub fn max_radius(mut self, radius: f32) -> Self {
+        self.volume.max = radius;
+        self
+    }
+
+    /// One radius for all photons in media.
+    #[must_use]
+    pub fn radius(mut self, radius: f32) -> Self {
+        self.volume.fixed = Some(radius);
+        self
+    }
+
+    /// As [`BeamRadiance::nearest`] around points of surfaces; 50 by default.
+    #[must_use]
+    pub fn surface_nearest(mut self, photons: usize) -> Self {
+        self.surfaces.nearest = photons;
+        self.surfaces.fixed = None;
+        self
+    }
+
+    /// As [`BeamRadiance::max_radius`] on surfaces.
+    #[must_use]
+    pub fn surface_max_radius(mut self, radius: f32) -> Self {
+        self.surfaces.max = radius;
+        self
+    }
+
+    /// As [`BeamRadiance::radius`] on surfaces.
+    #[must_use]
+    pub fn surface_radius(mut self, radius: f32) -> Self {
+        self.surfaces.fixed = Some(radius);
+        self
+    }
+
+    /// The kernel of discs and of surfaces; [`Kernel::Epanechnikov`] by default. Balls have a
+    /// constant one, whatever it is.
+    #[must_use]
+    pub fn kernel(mut self, kernel: Kernel) -> Self {
+        self.kernel = kernel;
+        self
+    }
+
+    /// Over what photons in media are smoothed; discs by default.
+    #[must_use]
+    pub fn blur(mut self, blur: Blur) -> Self {
+        self.blur = blur;
+        self
+    }
+
+    /// How transmittance is found where the medium is not the same everywhere.
+    #[must_use]
+    pub fn transmittance(mut self, transmittance: Transmittance) -> Self {
+        self.transmittance = transmittance;
+        self
+    }
+
+    /// How fast radii shrink from pass to pass, see [`Shrinkage`](tyndall_density::Shrinkage): in
+    /// (0, 1], and 1 keeps them. By default as is best for the dimensions of the blur: 2/3 with
+    /// discs and on surfaces, 4/7 with balls.
+    #[must_use]
+    pub fn alpha(mut self, alpha: impl Into<Option<f64>>) -> Self {
+        self.alpha = alpha.into();
+        self
+    }
+
+    fn check(&self) -> Result<(), PassError> {
+        ensure(self.emission.paths > 0, || {
+            "`paths` is 0; trace 1 light path a pass at least".to_owned()
+        })?;
+        ensure(self.starting_paths > 0, || {
+            "`starting_paths` is 0; give 1 at least".to_owned()
+        })?;
+        self.volume.check("")?;
+        self.surfaces.check("surface_")?;
+        self.transmittance.check()?;
+        shrinkage(Dimension::Two, self.alpha).map(drop)
+    }
+}
+
+impl<H, D> Integrator<H> for BeamRadiance<D>
+where
+    H: Geometry + Shading + Media + LightEmission,
+    D: DirectLight<H>,
+{
+    type Pass = Pass<H::Spectrum>;
+    type Pixel = ();
+
+    fn begin_pass<R: Streams>(
+        &self,
+        host: &H,
+        cx: &PassContext<'_, R>,
+        previous: Option<Self::Pass>,
+    ) -> Result<Self::Pass, PassError> {
+        self.check()?;
+        drop(previous); // its memory is wanted
+        let maps = PhotonMaps::trace::<H, D, R>(host, cx, self.emission)?;
+        Pass::build(self, maps, self.emission.first_path(cx.pass))
+    }
+
+    fn estimate(
+        &self,
+        host: &H,
+        pass: &Self::Pass,
+        (): &mut (),
+        ray: &SensorRay<H::Spectrum>,
+        sampler: &mut impl Sampler,
+    ) -> H::Spectrum {
+        let mut beams = Beams::<H, D> {
+            host,
+            pass,
+            media: BeamGather::new(self.kernel, self.transmittance),
+            surfaces: Gather::new(pass.search, self.kernel),
+            direct: PhantomData,
+        };
+        let radiance = radiance(host, ray, &mut beams, sampler);
+        pass.report(beams.media.error);
+        radiance
+    }
+
+    /// Nothing: passes do not know of each other.
+    fn save_pass(&self, _: &Self::Pass, _: &mut Vec<u8>) -> Result<(), StateError> {
+        Ok(())
+    }
+}

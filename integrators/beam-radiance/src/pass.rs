@@ -1,0 +1,145 @@
+//! What a pass prepares.
+
+use crate::discs::PhotonDiscs;
+use crate::options::{shrinkage, unsupported};
+use crate::{BeamRadiance, Blur};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicU32, Ordering};
+use tyndall_core::{Aabb, MediumId, PassError, Spectrum};
+use tyndall_density::{Dimension, Schedule};
+use tyndall_kd_tree::Photons;
+use tyndall_photons::{PhotonMaps, Search};
+
+/// The photons of a pass.
+#[derive(Debug)]
+pub struct Pass<S> {
+    /// At surfaces, straight from lights or through specular surfaces alone.
+    pub(crate) caustic: Photons<S>,
+    /// At surfaces, scattered before.
+    pub(crate) diffuse: Photons<S>,
+    /// How the two are searched.
+    pub(crate) search: Search,
+    /// In media, in the order of their ids.
+    media: Vec<PhotonDiscs<S>>,
+    /// Bits of a number that is not negative: they are ordered as the numbers.
+    transmittance_error: AtomicU32,
+}
+
+impl<S: Spectrum> Pass<S> {
+    pub(crate) fn build<D>(
+        config: &BeamRadiance<D>,
+        maps: PhotonMaps<S>,
+        first_path: u64,
+    ) -> Result<Self, PassError> {
+        let (paths, starting) = (config.emission.paths, config.starting_paths);
+        let scale = |dimension| {
+            let schedule = Schedule::new(shrinkage(dimension, config.alpha)?, starting);
+            let schedule = schedule.map_err(unsupported)?;
+            Ok(schedule.scale(first_path, paths))
+        };
+        let shrink = scale(Dimension::Two)?;
+        let search = match config.surfaces.fixed {
+            Some(radius) => Search::Within(radius * shrink),
+            None => Search::Nearest {
+                count: config.surfaces.count(paths, starting),
+                max_radius: config.surfaces.max,
+                shrink,
+            },
+        };
+        let PhotonMaps {
+            caustic,
+            diffuse,
+            volume,
+        } = maps;
+        let radii = radii(config, &volume, scale(config.blur.dimension())?);
+        Ok(Self {
+            caustic,
+            diffuse,
+            search,
+            media: discs(&volume, &radii, config.blur)?,
+            transmittance_error: AtomicU32::new(0),
+        })
+    }
+
+    /// The photons of a medium, if it has any.
+    pub(crate) fn photons_in(&self, medium: MediumId) -> Option<&PhotonDiscs<S>> {
+        let index = self.media.binary_search_by_key(&medium.0, |m| m.medium.0);
+        index.ok().map(|i| &self.media[i])
+    }
+
+    pub(crate) fn report(&self, error: f32) {
+        if error.to_bits() > self.transmittance_error.load(Ordering::Relaxed) {
+            self.transmittance_error
+                .fetch_max(error.to_bits(), Ordering::Relaxed);
+        }
+    }
+
+    /// The largest error of a transmittance that [tables](crate::Transmittance::Table) have met so
+    /// far, an absolute one; 0 where none was made.
+    pub fn transmittance_error(&self) -> f32 {
+        f32::from_bits(self.transmittance_error.load(Ordering::Relaxed))
+    }
+
+    /// Photons kept in media and on surfaces.
+    pub fn photons(&self) -> [usize; 2] {
+        let volume = self.media.iter().map(PhotonDiscs::len).sum();
+        [volume, self.caustic.len() + self.diffuse.len()]
+    }
+
+    /// Memory held, in bytes.
+    pub fn bytes(&self) -> usize {
+        let volume: usize = self.media.iter().map(PhotonDiscs::bytes).sum();
+        volume + self.caustic.bytes() + self.diffuse.bytes()
+    }
+}
+
+/// The radius of every photon.
+fn radii<S: Spectrum, D>(config: &BeamRadiance<D>, photons: &Photons<S>, scale: f32) -> Vec<f32> {
+    let Some(radius) = config.volume.fixed else {
+        let count = config
+            .volume
+            .count(config.emission.paths, config.starting_paths);
+        let mut radii = photons.nearest_radii(count, config.volume.max);
+        bound_lonely(photons, &mut radii);
+        radii.par_iter_mut().for_each(|radius| *radius *= scale);
+        return radii;
+    };
+    vec![radius * scale; photons.len()]
+}
+
+/// Photons with too few others of their medium have an infinite radius: they take the diagonal of
+/// the box around these. One alone has no density, and no radius.
+fn bound_lonely<S: Spectrum>(photons: &Photons<S>, radii: &mut [f32]) {
+    let mut boxes = BTreeMap::new();
+    let lonely = || (0..photons.len()).filter(|&slot| radii[slot] == f32::INFINITY);
+    for slot in lonely() {
+        let around = boxes.entry(photons.medium(slot).0).or_insert(Aabb::EMPTY);
+        let p = photons.position(slot);
+        *around = around.union(Aabb { min: p, max: p });
+    }
+    for (slot, radius) in radii.iter_mut().enumerate() {
+        if *radius == f32::INFINITY {
+            let around = boxes[&photons.medium(slot).0];
+            *radius = around.min.distance(around.max);
+        }
+    }
+}
+
+/// The discs of every medium.
+fn discs<S: Spectrum>(
+    photons: &Photons<S>,
+    radii: &[f32],
+    blur: Blur,
+) -> Result<Vec<PhotonDiscs<S>>, PassError> {
+    let mut media: Vec<MediumId> = Vec::new();
+    for slot in 0..photons.len() {
+        let medium = photons.medium(slot);
+        if media.last() != Some(&medium) && !media.contains(&medium) {
+            media.push(medium);
+        }
+    }
+    media.sort_unstable_by_key(|medium| medium.0);
+    let build = |&medium| PhotonDiscs::build(photons, radii, medium, blur);
+    media.par_iter().map(build).collect()
+}

@@ -1,0 +1,109 @@
+//! The walk of sight.
+
+use crate::Pass;
+use crate::gather::BeamGather;
+use std::marker::PhantomData;
+use tyndall_core::{
+    Anchor, Geometry, LightEmission, Media, Medium, PhaseFunction, Sampler, Shading, Spectrum,
+};
+use tyndall_density::SurfacePoint;
+use tyndall_photons::{Gather, Light, Sight};
+use tyndall_walk::{DirectLight, Event, Segment, Site, Vertex, Walk};
+
+/// What is gathered along one walk of sight.
+pub(crate) struct Beams<'p, H: Geometry, D> {
+    pub(crate) host: &'p H,
+    pub(crate) pass: &'p Pass<H::Spectrum>,
+    pub(crate) media: BeamGather<H::Spectrum>,
+    pub(crate) surfaces: Gather,
+    pub(crate) direct: PhantomData<D>,
+}
+
+impl<H, D> Beams<'_, H, D>
+where
+    H: Geometry + Shading + Media + LightEmission,
+    D: DirectLight<H>,
+{
+    /// What the medium scatters of light that has met nothing before, if photons do not bring it:
+    /// at the collision of one free flight.
+    fn unscattered(
+        &self,
+        medium: &H::Medium,
+        segment: &Segment<H>,
+        importance: H::Spectrum,
+        sampler: &mut impl Sampler,
+    ) -> H::Spectrum {
+        let flight = medium.sample_free_flight(&segment.ray, importance, sampler);
+        let Some(collision) = flight.collision else {
+            return H::Spectrum::default();
+        };
+        let (position, wo) = (segment.ray.at(collision.t), -segment.ray.direction);
+        let phase = medium.phase(position);
+        let scattered = D::scattered(
+            self.host,
+            &Anchor::Point(position),
+            position,
+            |_| segment.medium,
+            |wi| H::Spectrum::splat(phase.eval(wo, wi)),
+            sampler,
+        );
+        flight.weight * collision.coefficients.albedo() * scattered
+    }
+}
+
+impl<H, D> Sight<H> for Beams<'_, H, D>
+where
+    H: Geometry + Shading + Media + LightEmission,
+    D: DirectLight<H>,
+{
+    fn segment(
+        &mut self,
+        walk: &mut Walk<'_, H>,
+        segment: Segment<H>,
+        _: bool,
+        sampler: &mut impl Sampler,
+    ) -> (H::Spectrum, Event<H>) {
+        let mut radiance = H::Spectrum::default();
+        if let Some(medium) = self.host.medium(segment.medium) {
+            let (ray, carried) = (&segment.ray, walk.throughput);
+            if let Some(photons) = self.pass.photons_in(segment.medium) {
+                radiance += self.media.along(photons, medium, ray, carried, sampler);
+            }
+            if !D::BY_PHOTONS {
+                radiance += self.unscattered(medium, &segment, carried, sampler);
+            }
+        }
+        (radiance, walk.transmit(segment, sampler))
+    }
+
+    /// Segments are gathered whole and crossed: no walk collides.
+    fn collision(&mut self, _: &Vertex<H>, _: &mut impl Sampler) -> H::Spectrum {
+        H::Spectrum::default()
+    }
+
+    fn surface(
+        &mut self,
+        vertex: &Vertex<H>,
+        point: &SurfacePoint<'_, H>,
+        light: Light,
+        sampler: &mut impl Sampler,
+    ) -> H::Spectrum {
+        let Site::Surface(hit) = &vertex.site else {
+            return H::Spectrum::default();
+        };
+        let direct = D::scattered(
+            self.host,
+            &vertex.anchor(),
+            vertex.position,
+            |wi| self.host.medium_across(hit, wi, vertex.medium),
+            |wi| point.scattered(wi),
+            sampler,
+        );
+        let mut gather = |photons, sharp| self.surfaces.surface(photons, point, sharp).radiance;
+        let unscattered = direct + gather(&self.pass.caustic, true);
+        match light {
+            Light::Unscattered => unscattered,
+            Light::All => unscattered + gather(&self.pass.diffuse, false),
+        }
+    }
+}

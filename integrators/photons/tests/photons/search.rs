@@ -1,0 +1,81 @@
+//! What a search takes, on photons of known density.
+
+use super::FALSE_ALARM;
+use glam::Vec3;
+use tyndall_core::{MediumId, Sampler};
+use tyndall_density::Kernel;
+use tyndall_kd_tree::{Photon, Photons};
+use tyndall_photons::Search;
+use tyndall_testkit::rng;
+use tyndall_testkit::stats::{Moments, check_mean, sidak};
+
+const KERNELS: [Kernel; 5] = [
+    Kernel::Constant,
+    Kernel::Epanechnikov,
+    Kernel::Biweight,
+    Kernel::Cone,
+    Kernel::Gaussian,
+];
+
+/// `count` photons of equal flux in a cube of side 2 around the origin, a watt together.
+fn cube(count: usize, seed: u64) -> Photons<f32> {
+    let mut sampler = rng(seed);
+    let photons = (0..count).map(|_| Photon {
+        position: 2.0 * Vec3::from(sampler.next()) - 1.0,
+        direction: Vec3::Z,
+        flux: 1.0 / count as f32,
+        medium: MediumId::VACUUM,
+    });
+    Photons::build(photons.collect()).expect("photons")
+}
+
+/// The density at the origin.
+fn density(photons: &Photons<f32>, search: Search, kernel: Kernel) -> f64 {
+    let (mut sum, mut room) = (0.0, search.room());
+    search.visit(
+        photons,
+        Vec3::ZERO,
+        &mut room,
+        |_| true,
+        |slot, d2, radius| {
+            sum += f64::from(photons.flux(slot) * kernel.weight_3d(d2, radius));
+        },
+    );
+    sum
+}
+
+#[test]
+fn every_search_finds_the_density() {
+    // A watt in a volume of 8: with the k-th photon dropped, the mean is 1/8 for any k and kernel.
+    let nearest = |count, max_radius, shrink| Search::Nearest {
+        count,
+        max_radius,
+        shrink,
+    };
+    let searches = [
+        Search::Within(0.4),
+        nearest(3, f32::INFINITY, 1.0),
+        nearest(40, f32::INFINITY, 1.0),
+        nearest(40, f32::INFINITY, 0.5),
+        // Reached by some of the searches only.
+        nearest(40, 0.44, 1.0),
+        nearest(40, 0.42, 0.7),
+    ];
+    let cases = || {
+        searches
+            .into_iter()
+            .flat_map(|s| KERNELS.map(|kernel| (s, kernel)))
+    };
+    let mut found: Vec<_> = cases().map(|_| Moments::new()).collect();
+    for seed in 0..4000 {
+        let photons = cube(800, seed);
+        for ((search, kernel), moments) in cases().zip(&mut found) {
+            moments.push(density(&photons, search, kernel));
+        }
+    }
+    for ((search, kernel), moments) in cases().zip(&found) {
+        let each = sidak(FALSE_ALARM, found.len());
+        check_mean("density", moments.estimate(), 0.125, each)
+            .unwrap_or_else(|why| panic!("{search:?} {kernel:?}: {why}"));
+    }
+}
