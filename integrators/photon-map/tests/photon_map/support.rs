@@ -199,6 +199,17 @@ pub(crate) fn integrate(a: f64, b: f64, points: u32, f: impl Fn(f64) -> f64) -> 
     step * middles.map(f).sum::<f64>()
 }
 
+/// f over \[a, b\] from a table, linear between its `cells` + 1 points: for what is slow.
+pub(crate) fn tabulated(a: f64, b: f64, cells: u32, f: impl Fn(f64) -> f64) -> impl Fn(f64) -> f64 {
+    let step = (b - a) / f64::from(cells);
+    let table: Vec<f64> = (0..=cells).map(|i| f(a + f64::from(i) * step)).collect();
+    move |x| {
+        let place = ((x - a) / step).clamp(0.0, f64::from(cells) * (1.0 - 1e-9));
+        let (i, part) = (place as usize, place.fract());
+        table[i] + part * (table[i + 1] - table[i])
+    }
+}
+
 /// The mean of f(distance) over a kernel of so many dimensions, which are 2 or 3.
 pub(crate) fn kernel_mean(
     kernel: Kernel,
