@@ -146,15 +146,17 @@ fn an_integrating_sphere() {
 
 #[test]
 fn milk_in_a_room_with_final_gathering() {
-    let scene = scene(&format!("{IN_ROOM}\nmedium = 'milk'"), ROOM);
+    // A look at the wall from close by: most of what it scatters comes from the milk.
+    let camera = "position = [0, 0.3, -0.8]\nlook_at = [0, 0.4, -1]\nmedium = 'milk'";
+    let scene = scene(camera, ROOM);
     let reference = measure(&scene, &Path::new(), 100_000, 1);
     // Kernels lose what reaches into the wall, ∝ r.
     let radii = [0.06, 0.12].map(|radius| {
         let map = PhotonMap::sampling_lights().paths(3000).radius(radius);
         map.final_gather(4)
     });
-    let estimates = extrapolate(&scene, &radii, 60, 30, sensor(&scene));
-    let mut figures = Figures::within(0.02);
+    let estimates = extrapolate(&scene, &radii, 80, 40, sensor(&scene));
+    let mut figures = Figures::within(0.07);
     for (channel, (estimate, path)) in estimates.iter().zip(&reference).enumerate() {
         let moved = moved(*estimate, *path, path.mean);
         figures.add(format!("channel {channel}"), moved, path.mean);
