@@ -228,7 +228,7 @@ impl<D> PhotonMap<D> {
             (Reach::Radius(radius), _) if !RADII.contains(&radius) => {
                 format!("`radius` is {radius}: name one from {least:e} to {most:e} scene units")
             }
-            _ if !(self.max_radius >= *least) => format!(
+            _ if self.max_radius.is_nan() || self.max_radius < *least => format!(
                 "`max_radius` is {}: name at least {least:e} scene units, or infinity",
                 self.max_radius
             ),

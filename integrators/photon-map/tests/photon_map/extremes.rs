@@ -75,7 +75,8 @@ fn a_medium_that_only_absorbs_shows_the_sky_behind() {
     let host = AnalyticHost::furnace(medium(0.7, 0.0, 0.0), 1.0, Interface::Matched, chords(1.0));
     let map = PhotonMap::new().paths(100);
     let value = measure(&host, &map, 3, 1)[0];
-    assert!((value.mean - (-1.4_f64).exp()).abs() < 1e-6, "{value:?}");
+    // The host starts rays 1e-5 of the radius behind its surface.
+    assert!((value.mean - (-1.4_f64).exp()).abs() < 1e-5, "{value:?}");
 }
 
 fn lit(light: Light<f32>) -> AnalyticHost<Homogeneous<f32>> {
@@ -164,7 +165,7 @@ fn far_from_the_origin_it_is_the_same() {
         standard_error: 8.0 * difference.standard_error,
         ..difference
     };
-    figures.add("far away".into(), shifted, here.mean);
+    figures.add("far away", shifted, here.mean);
     figures.check();
 }
 

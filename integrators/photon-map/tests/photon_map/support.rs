@@ -1,9 +1,11 @@
 //! What the tests share.
 
+use glam::Vec3;
 use std::f64::consts::PI;
 use std::sync::atomic::AtomicBool;
 use tyndall_core::{
-    Coefficients, Integrator, PassContext, Sampler, Sensor, SensorRay, Spectrum, Streams,
+    Coefficients, Frame, Integrator, MediumId, PassContext, Ray, Sampler, Sensor, SensorRay,
+    Spectrum, warp,
 };
 use tyndall_density::Kernel;
 use tyndall_driver::PassStreams;
@@ -50,27 +52,89 @@ where
 {
     let channels = H::Spectrum::CHANNELS;
     let mut moments = vec![vec![Moments::new(); channels]; integrators.len()];
+    for_passes(host, integrators, passes, rays, &mut ray, |means| {
+        for (moments, means) in moments.iter_mut().zip(means) {
+            for (moments, mean) in moments.iter_mut().zip(means) {
+                moments.push(*mean);
+            }
+        }
+    });
+    let estimates = |m: Vec<Moments>| m.iter().map(Moments::estimate).collect();
+    moments.into_iter().map(estimates).collect()
+}
+
+/// As [`estimate`], of an error ∝ r: what two integrators, the second of twice the radius of the
+/// first, say of the radius 0.
+pub(crate) fn extrapolate<H, I>(
+    host: &H,
+    integrators: &[I; 2],
+    passes: u64,
+    rays: u32,
+    mut ray: impl FnMut(&mut dyn FnMut() -> f32) -> SensorRay<H::Spectrum>,
+) -> Vec<Estimate>
+where
+    H: Sensor,
+    I: Integrator<H, Pixel = ()>,
+{
+    let mut moments = vec![Moments::new(); H::Spectrum::CHANNELS];
+    for_passes(host, integrators, passes, rays, &mut ray, |means| {
+        for (channel, moments) in moments.iter_mut().enumerate() {
+            moments.push(2.0 * means[0][channel] - means[1][channel]);
+        }
+    });
+    moments.iter().map(Moments::estimate).collect()
+}
+
+/// Calls `then` with the mean of the rays of each pass, by integrator and channel.
+fn for_passes<H, I>(
+    host: &H,
+    integrators: &[I],
+    passes: u64,
+    rays: u32,
+    ray: &mut impl FnMut(&mut dyn FnMut() -> f32) -> SensorRay<H::Spectrum>,
+    mut then: impl FnMut(&[Vec<f64>]),
+) where
+    H: Sensor,
+    I: Integrator<H, Pixel = ()>,
+{
     for pass in 0..passes {
-        let (streams, cancelled) = (PassStreams::new(7, pass), AtomicBool::new(false));
-        let cx = PassContext::new(pass, &streams, &cancelled);
-        let maps = integrators[0].begin_pass(host, &cx, None).expect("photons");
-        for (integrator, moments) in integrators.iter().zip(&mut moments) {
+        let maps = with_context(pass, |cx| integrators[0].begin_pass(host, cx, None));
+        let maps = maps.expect("photons");
+        let mean = |integrator: &I| {
             let mut sampler = rng(pass + 1);
-            let mut sums = vec![0.0; channels];
+            let mut mean = vec![0.0; H::Spectrum::CHANNELS];
             for _ in 0..rays {
                 let ray = ray(&mut || sampler.next_1d());
                 let radiance = integrator.estimate(host, &maps, &mut (), &ray, &mut sampler);
-                for (channel, sum) in sums.iter_mut().enumerate() {
-                    *sum += f64::from((ray.weight * radiance).channel(channel));
+                for (channel, mean) in mean.iter_mut().enumerate() {
+                    *mean += f64::from((ray.weight * radiance).channel(channel)) / f64::from(rays);
                 }
             }
-            for (moments, sum) in moments.iter_mut().zip(sums) {
-                moments.push(sum / f64::from(rays));
-            }
-        }
+            mean
+        };
+        then(&integrators.iter().map(mean).collect::<Vec<_>>());
     }
-    let estimates = |m: Vec<Moments>| m.iter().map(Moments::estimate).collect();
-    moments.into_iter().map(estimates).collect()
+}
+
+/// The difference of two estimates, moved to where the second is expected.
+pub(crate) fn moved(a: Estimate, b: Estimate, to: f64) -> Estimate {
+    let difference = a.difference(&b);
+    Estimate {
+        mean: difference.mean + to,
+        ..difference
+    }
+}
+
+/// A ray through space, turned to a random side: it starts at (`x`, 0, `z`) and looked along z.
+pub(crate) fn turned<S: Spectrum>(
+    x: f32,
+    z: f32,
+    medium: MediumId,
+    u: &mut dyn FnMut() -> f32,
+) -> SensorRay<S> {
+    let direction = warp::uniform_sphere([u(), u()]);
+    let beside = Frame::around(direction).to_world(Vec3::X);
+    SensorRay::new(Ray::new(x * beside + z * direction, direction), medium)
 }
 
 /// The rays of the sensor's first pixel.
@@ -95,10 +159,8 @@ impl Figures {
         }
     }
 
-    pub(crate) fn add(&mut self, name: String, estimate: Estimate, expected: f64) {
-        let error = estimate.standard_error / expected.abs();
-        assert!(error <= self.precision, "{name}: {error:.4} is too noisy");
-        self.figures.push((name, estimate, expected));
+    pub(crate) fn add(&mut self, name: impl Into<String>, estimate: Estimate, expected: f64) {
+        self.figures.push((name.into(), estimate, expected));
     }
 
     /// The figures of the channels.
@@ -109,11 +171,8 @@ impl Figures {
         expected: impl Fn(usize) -> f64,
     ) {
         for (channel, estimate) in estimates.iter().enumerate() {
-            self.add(
-                format!("{name}, channel {channel}"),
-                *estimate,
-                expected(channel),
-            );
+            let name = format!("{name}, channel {channel}");
+            self.add(name, *estimate, expected(channel));
         }
     }
 
@@ -126,6 +185,10 @@ impl Figures {
         if let Err(why) = check_means(&cases, 0.0027) {
             panic!("{why}");
         }
+        for (name, estimate, expected) in cases {
+            let error = estimate.standard_error / expected.abs();
+            assert!(error <= self.precision, "{name}: {error:.4} is too noisy");
+        }
     }
 }
 
@@ -134,6 +197,17 @@ pub(crate) fn integrate(a: f64, b: f64, points: u32, f: impl Fn(f64) -> f64) -> 
     let step = (b - a) / f64::from(points);
     let middles = (0..points).map(|i| a + (f64::from(i) + 0.5) * step);
     step * middles.map(f).sum::<f64>()
+}
+
+/// f over \[a, b\] from a table, linear between its `cells` + 1 points: for what is slow.
+pub(crate) fn tabulated(a: f64, b: f64, cells: u32, f: impl Fn(f64) -> f64) -> impl Fn(f64) -> f64 {
+    let step = (b - a) / f64::from(cells);
+    let table: Vec<f64> = (0..=cells).map(|i| f(a + f64::from(i) * step)).collect();
+    move |x| {
+        let place = ((x - a) / step).clamp(0.0, f64::from(cells) * (1.0 - 1e-9));
+        let (i, part) = (place as usize, place.fract());
+        table[i] + part * (table[i + 1] - table[i])
+    }
 }
 
 /// The mean of f(distance) over a kernel of so many dimensions, which are 2 or 3.
@@ -177,10 +251,10 @@ pub(crate) fn blurred(
 }
 
 /// A context for one pass.
-pub(crate) fn with_context<T>(pass: u64, then: impl FnOnce(&PassContext<'_, PassStreams>) -> T) -> T
-where
-    PassStreams: Streams,
-{
+pub(crate) fn with_context<T>(
+    pass: u64,
+    then: impl FnOnce(&PassContext<'_, PassStreams>) -> T,
+) -> T {
     let (streams, cancelled) = (PassStreams::new(3, pass), AtomicBool::new(false));
     then(&PassContext::new(pass, &streams, &cancelled))
 }
