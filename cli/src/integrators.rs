@@ -65,8 +65,7 @@ fn progressive<S: Spectrum, D: DirectLight<Scene<S>>>(config: &PhotonConfig) -> 
     let map = ProgressivePhotonMap::<D>::default();
     let map = with(map, config.paths, ProgressivePhotonMap::paths);
     let map = with(map, bytes(config), ProgressivePhotonMap::max_bytes);
-    let nearest = config.nearest.map(|count| count as u32);
-    let map = with(map, nearest, ProgressivePhotonMap::nearest);
+    let map = with(map, config.nearest, ProgressivePhotonMap::nearest);
     let map = with(map, config.radius, ProgressivePhotonMap::radius);
     let map = with(map, config.alpha, ProgressivePhotonMap::alpha);
     let map = with(map, kernel(config), ProgressivePhotonMap::kernel);
