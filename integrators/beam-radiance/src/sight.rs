@@ -7,7 +7,7 @@ use tyndall_core::{
     Anchor, Geometry, LightEmission, Media, Medium, PhaseFunction, Sampler, Shading, Spectrum,
 };
 use tyndall_density::SurfacePoint;
-use tyndall_photons::{Gather, Light, Sight};
+use tyndall_photons::{Gather, Incident, Sight};
 use tyndall_walk::{DirectLight, Event, Segment, Site, Vertex, Walk};
 
 /// What is gathered along one walk of sight.
@@ -85,7 +85,7 @@ where
         &mut self,
         vertex: &Vertex<H>,
         point: &SurfacePoint<'_, H>,
-        light: Light,
+        light: Incident,
         sampler: &mut impl Sampler,
     ) -> H::Spectrum {
         let Site::Surface(hit) = &vertex.site else {
@@ -102,8 +102,8 @@ where
         let mut gather = |photons, sharp| self.surfaces.surface(photons, point, sharp).radiance;
         let unscattered = direct + gather(&self.pass.caustic, true);
         match light {
-            Light::Unscattered => unscattered,
-            Light::All => unscattered + gather(&self.pass.diffuse, false),
+            Incident::Unscattered => unscattered,
+            Incident::All => unscattered + gather(&self.pass.diffuse, false),
         }
     }
 }

@@ -6,10 +6,14 @@ use tyndall_core::{Geometry, PathFrom, Shading, Spectrum, Surface};
 /// Half the thickness of the disc in which photons count, over its radius.
 ///
 /// A ball around a point near a corner also holds photons of the other wall: half a disc of them at
-/// the corner. In a disc they lie in a strip of 0.1 r × 2 r at the most, 6 % of its area. A surface
-/// of curvature 1/R leaves the disc by r²/(2R) at its edge, so that no photon of it is lost while
-/// r < R/5.
-const FLATNESS: f32 = 0.1;
+/// the corner, where half of the disc is lost beyond it. In a flat disc they lie in a strip of
+/// 0.3 r × 2 r at the most, 19 % of its area. A surface of curvature 1/R leaves the disc by r²/(2R)
+/// at its edge, so that no photon of it is lost while r < 0.6 R: what is smaller than that is
+/// darkened. A flatter disc would darken more of it, a rounder one take in more light from beside.
+const FLATNESS: f32 = 0.3;
+
+/// Rounding of a position, over its largest coordinate: two points of a plane may be so far off it.
+const ROUNDING: f32 = 4.0 * f32::EPSILON;
 
 /// Largest ratio of cosines to the shading and to the geometric normal.
 ///
@@ -61,10 +65,11 @@ impl<'h, H: Geometry + Shading> SurfacePoint<'h, H> {
     }
 
     /// Whether a photon at `offset` from the point, within the radius, lies on this surface rather
-    /// than on another wall: |n·offset| ≤ 0.1 r.
+    /// than on another wall: |n·offset| ≤ 0.3 r, but for rounding.
     #[inline]
     pub fn is_near(&self, offset: Vec3, radius: f32) -> bool {
-        self.surface.geometric_normal.dot(offset).abs() <= FLATNESS * radius
+        let rounding = ROUNDING * self.surface.position.abs().max_element();
+        self.surface.geometric_normal.dot(offset).abs() <= FLATNESS * radius + rounding
     }
 
     /// The radiance towards `wo` of a photon that travels in `photon_direction` with `flux`, times

@@ -7,7 +7,7 @@ use tyndall_core::{
     Anchor, Geometry, Media, Medium, MediumId, PhaseFunction, Sampler, Shading, Spectrum,
 };
 use tyndall_density::SurfacePoint;
-use tyndall_photons::{Gather, Light, PhotonMaps, Sight};
+use tyndall_photons::{Gather, Incident, PhotonMaps, Sight};
 use tyndall_walk::{DirectLight, Event, Segment, Site, Vertex, Walk};
 
 /// The photons of a pass, and how they are gathered.
@@ -111,7 +111,7 @@ impl<H: Geometry + Shading + Media, D: DirectLight<H>> Sight<H> for Gathering<'_
         &mut self,
         vertex: &Vertex<H>,
         point: &SurfacePoint<'_, H>,
-        light: Light,
+        light: Incident,
         sampler: &mut impl Sampler,
     ) -> H::Spectrum {
         let Site::Surface(hit) = &vertex.site else {
@@ -131,8 +131,8 @@ impl<H: Geometry + Shading + Media, D: DirectLight<H>> Sight<H> for Gathering<'_
         );
         let unscattered = caustic + direct;
         match light {
-            Light::Unscattered => unscattered,
-            Light::All => {
+            Incident::Unscattered => unscattered,
+            Incident::All => {
                 unscattered
                     + self
                         .gather

@@ -12,8 +12,8 @@
 //! | through specular surfaces alone | photons of [`PhotonMaps::caustic`] |
 //! | scattered | photons of [`PhotonMaps::diffuse`]; from sharp directions of a nearly specular surface, and in final gathering, walks |
 //!
-//! The sensor sees lights straight and through specular surfaces. Light that *media* emit is seen
-//! along every walk of sight, but no photon starts there: it does not light its surroundings.
+//! The sensor sees lights, and media that emit, straight and through specular surfaces. No photon
+//! starts in a medium: its light does not light its surroundings.
 //!
 //! # Needs of the host
 //! [`Geometry`](tyndall_core::Geometry), [`Shading`](tyndall_core::Shading),
@@ -38,4 +38,4 @@ mod sight;
 pub use gather::{Gather, Gathered};
 pub use maps::{Emission, PhotonMaps};
 pub use search::Search;
-pub use sight::{Light, Sight, radiance};
+pub use sight::{Incident, Sight, radiance};

@@ -11,7 +11,8 @@ use tyndall_walk::{DirectLight, LightPaths, Route, Site, Vertex};
 pub struct Emission {
     /// Light paths emitted in a pass.
     pub paths: u64,
-    /// Bytes that photons may take while the maps are built.
+    /// Bytes that photons may take while they are traced, 44 each in three channels. What is kept of
+    /// them is less, and is made map by map beside them.
     pub max_bytes: u64,
 }
 
@@ -53,8 +54,8 @@ enum Map {
 }
 
 impl<S: Spectrum> PhotonMaps<S> {
-    /// Traces the light paths of a pass. Photons are stored at collisions, and at surfaces that
-    /// scatter into many directions; not where the albedo is zero.
+    /// Traces the light paths of a pass. Photons are stored at collisions, unless the albedo is zero,
+    /// and at surfaces that scatter into many directions.
     ///
     /// Whether a sensor will look there is not asked: mirrors and scattering between surfaces make
     /// that as dear to know as the picture itself.
@@ -80,7 +81,7 @@ impl<S: Spectrum> PhotonMaps<S> {
             });
         })?;
         let map = |map| {
-            let photons = found.iter().filter(|(of, _)| *of == map);
+            let photons = found.iter().flatten().filter(|(of, _)| *of == map);
             Photons::build(photons.map(|(_, photon)| *photon).collect())
                 .map_err(|why| PassError::Unsupported(why.to_string()))
         };

@@ -27,7 +27,7 @@ pub trait Sight<H: Geometry + Shading> {
         &mut self,
         vertex: &Vertex<H>,
         point: &SurfacePoint<'_, H>,
-        light: Light,
+        light: Incident,
         sampler: &mut impl Sampler,
     ) -> H::Spectrum;
 
@@ -40,7 +40,7 @@ pub trait Sight<H: Geometry + Shading> {
 
 /// Which light a surface gathers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Light {
+pub enum Incident {
     /// All that arrives; but of what was scattered before, no directions that are
     /// [sharp](SurfacePoint::is_sharp).
     All,
@@ -60,14 +60,27 @@ pub fn radiance<H: Geometry + Shading + Media>(
     sight: &mut impl Sight<H>,
     sampler: &mut impl Sampler,
 ) -> H::Spectrum {
-    follow(host, Walk::from_sensor(host, start), false, sight, sampler)
+    let state = State {
+        spread: false,
+        walks: sight.final_gather(),
+    };
+    follow(host, Walk::from_sensor(host, start), state, sight, sampler)
+}
+
+/// Where a walk of sight stands.
+#[derive(Clone, Copy)]
+struct State {
+    /// Whether it has been scattered into one of many directions.
+    spread: bool,
+    /// Walks that gather at the first surface that does so.
+    walks: u32,
 }
 
 /// The radiance that `walk` finds, times what it carries.
 fn follow<'h, H: Geometry + Shading + Media>(
     host: &'h H,
     mut walk: Walk<'h, H>,
-    mut spread: bool,
+    State { mut spread, walks }: State,
     sight: &mut impl Sight<H>,
     sampler: &mut impl Sampler,
 ) -> H::Spectrum {
@@ -75,7 +88,7 @@ fn follow<'h, H: Geometry + Shading + Media>(
     while !walk.throughput.is_black() {
         let segment = walk.segment();
         let (carried, direction) = (walk.throughput, segment.ray.direction);
-        if let Some(medium) = host.medium(segment.medium) {
+        if let Some(medium) = host.medium(segment.medium).filter(|_| !spread) {
             radiance += carried * medium.emitted(&segment.ray, sampler);
         }
         let (scattered, event) = sight.segment(&mut walk, segment, spread, sampler);
@@ -99,19 +112,23 @@ fn follow<'h, H: Geometry + Shading + Media>(
             }
         }
         let point = SurfacePoint::new(host, hit, vertex.wo);
-        let walks = if spread { 0 } else { sight.final_gather() };
-        let light = if walks > 0 {
-            Light::Unscattered
+        let gathers = !spread && walks > 0;
+        let light = if gathers {
+            Incident::Unscattered
         } else {
-            Light::All
+            Incident::All
         };
         radiance += walk.throughput * sight.surface(&vertex, &point, light, sampler);
-        if walks > 0 {
+        if gathers {
             for _ in 0..walks {
                 let mut onward = walk.clone();
                 if let Some(scattered) = onward.scatter(&vertex, sampler) {
-                    let spread = scattered.pdf_w.is_some();
-                    radiance += follow(host, onward, spread, sight, sampler) / walks as f32;
+                    // Behind a mirror-like coat it may gather again: by one walk, not by as many.
+                    let state = State {
+                        spread: scattered.pdf_w.is_some(),
+                        walks: 1,
+                    };
+                    radiance += follow(host, onward, state, sight, sampler) / walks as f32;
                 }
             }
             break;

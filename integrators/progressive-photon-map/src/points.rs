@@ -5,7 +5,7 @@ use crate::reach::Room;
 use std::marker::PhantomData;
 use tyndall_core::{Geometry, HostTypes, Media, Medium, PhaseFunction, Sampler, Shading, Spectrum};
 use tyndall_density::{Kernel, SurfacePoint};
-use tyndall_photons::{Gather, Light, PhotonMaps, Search, Sight};
+use tyndall_photons::{Gather, Incident, PhotonMaps, Search, Sight};
 use tyndall_walk::{DirectLight, Event, Segment, Site, Vertex, Walk};
 
 /// The vertices of one walk.
@@ -108,7 +108,7 @@ where
         &mut self,
         vertex: &Vertex<H>,
         point: &SurfacePoint<'_, H>,
-        _: Light,
+        _: Incident,
         sampler: &mut impl Sampler,
     ) -> H::Spectrum {
         let Site::Surface(hit) = &vertex.site else {

@@ -39,49 +39,57 @@ impl<'a, 'c, R: Streams> LightPaths<'a, 'c, R> {
         }
     }
 
-    /// Traces them on the current rayon pool and collects what `trace` makes of each, in the order
-    /// of the paths: the same on any number of threads. The walks carry flux divided by the number
-    /// of paths.
+    /// Traces them on the current rayon pool and collects what `trace` makes of each, in batches in
+    /// the order of the paths: the same on any number of threads. The walks carry flux divided by
+    /// the number of paths.
     ///
     /// # Errors
     /// [`PassError::Cancelled`]; [`PassError::Memory`] as soon as what is collected takes more than
-    /// is allowed.
+    /// is allowed, but for that of one path a thread.
     pub fn collect<'h, H, T: Send>(
         &self,
         host: &'h H,
         trace: impl Fn(Walk<'h, H>, &mut R::Sampler, &mut Vec<T>) + Sync,
-    ) -> Result<Vec<T>, PassError>
+    ) -> Result<Vec<Vec<T>>, PassError>
     where
         H: Geometry + Shading + Media + LightEmission,
     {
         let (share, bytes) = (1.0 / self.paths as f32, AtomicU64::new(0));
-        let batches = (0..self.paths.div_ceil(BATCH))
-            .into_par_iter()
-            .map(|batch| {
-                let mut found = Vec::new();
+        let batch = |batch| {
+            let mut found = Vec::new();
+            let seed = self.seed(batch * BATCH / SEQUENCE);
+            for path in batch * BATCH..self.paths.min((batch + 1) * BATCH) {
                 if self.cx.cancelled() {
                     return Err(PassError::Cancelled);
                 }
-                let seed = self.seed(batch * BATCH / SEQUENCE);
-                for path in batch * BATCH..self.paths.min((batch + 1) * BATCH) {
-                    if let Some(mut start) = host.sample_emission(point(path, seed)) {
-                        start.flux *= share;
-                        let mut sampler = self.cx.streams.sampler(Domain::LIGHT, path);
-                        trace(Walk::from_light(host, &start), &mut sampler, &mut found);
-                    }
+                let room = found.capacity();
+                if let Some(mut start) = host.sample_emission(point(path, seed)) {
+                    start.flux *= share;
+                    let mut sampler = self.cx.streams.sampler(Domain::LIGHT, path);
+                    trace(Walk::from_light(host, &start), &mut sampler, &mut found);
                 }
-                let size = (found.len() * size_of::<T>()) as u64;
-                let needed = bytes.fetch_add(size, Ordering::Relaxed) + size;
-                if needed > self.max_bytes {
-                    return Err(PassError::Memory {
-                        needed,
-                        allowed: self.max_bytes,
-                    });
-                }
-                Ok(found)
+                let more = size_of::<T>() * (found.capacity() - room);
+                self.count(&bytes, more as u64)?;
+            }
+            Ok(found)
+        };
+        let batches = 0..self.paths.div_ceil(BATCH);
+        batches.into_par_iter().map(batch).collect()
+    }
+
+    /// Counts `more` bytes.
+    fn count(&self, bytes: &AtomicU64, more: u64) -> Result<(), PassError> {
+        if more == 0 {
+            return Ok(());
+        }
+        let needed = bytes.fetch_add(more, Ordering::Relaxed) + more;
+        if needed > self.max_bytes {
+            return Err(PassError::Memory {
+                needed,
+                allowed: self.max_bytes,
             });
-        let batches = batches.collect::<Result<Vec<_>, _>>()?;
-        Ok(batches.into_iter().flatten().collect())
+        }
+        Ok(())
     }
 
     /// The scrambling of a sequence; the streams of paths have smaller indices.

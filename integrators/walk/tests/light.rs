@@ -41,7 +41,7 @@ fn collisions(index: u64, paths: u64) -> Vec<(Vec3, Rgb)> {
             });
         })
     });
-    collected.expect("light paths")
+    collected.expect("light paths").concat()
 }
 
 #[test]
@@ -85,7 +85,7 @@ fn emission_is_stratified() {
                     found.extend((walk.segment().ray.direction.x > 0.5).then_some(()));
                 })
             });
-            upward.expect("light paths").len() as f64
+            upward.expect("light paths").concat().len() as f64
         })
         .collect();
     let (n, variance) = (paths as f64, counts.variance());
@@ -129,7 +129,7 @@ fn routes_tell_what_light_has_met() {
                 });
             })
         });
-        let routes = routes.expect("light paths");
+        let routes = routes.expect("light paths").concat();
         assert!(routes.iter().any(|(collisions, _)| *collisions > 0));
         for (collisions, route) in routes {
             let expected = if collisions == 0 {

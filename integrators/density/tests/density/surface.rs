@@ -10,16 +10,16 @@ use tyndall_core::{
 use tyndall_density::SurfacePoint;
 
 /// A white wall facing +z, whose shading normal is turned towards +x.
-struct Wall {
-    shading_normal: Vec3,
-}
+struct Wall(Surface);
 
 impl Wall {
     fn tilted(angle: f32) -> Self {
         let (sin, cos) = angle.sin_cos();
-        Self {
+        Self(Surface {
+            position: Vec3::new(1.0, 2.0, 3.0),
+            geometric_normal: Vec3::Z,
             shading_normal: Vec3::new(sin, 0.0, cos),
-        }
+        })
     }
 }
 
@@ -37,11 +37,7 @@ impl Geometry for Wall {
         unreachable!("not asked by a surface point")
     }
     fn surface(&self, _: &()) -> Surface {
-        Surface {
-            position: Vec3::new(1.0, 2.0, 3.0),
-            geometric_normal: Vec3::Z,
-            shading_normal: self.shading_normal,
-        }
+        self.0
     }
     fn spawn(&self, _: &Anchor<()>, _: Vec3) -> Ray {
         unreachable!("not asked by a surface point")
@@ -61,7 +57,7 @@ impl Shading for Wall {
     /// Lambert's law where both normals see both directions; brighter for paths of light, so that
     /// the wrong question is noticed.
     fn bsdf_eval(&self, _: &(), wo: Vec3, wi: Vec3, from: PathFrom) -> Rgb {
-        let sees = |v: Vec3| v.z >= 0.0 && v.dot(self.shading_normal) >= 0.0;
+        let sees = |v: Vec3| v.z >= 0.0 && v.dot(self.0.shading_normal) >= 0.0;
         if !(sees(wo) && sees(wi)) {
             return Rgb::default();
         }
@@ -99,7 +95,7 @@ fn photons_scatter_the_light_that_the_shading_normal_sees() {
             for j in 0..steps {
                 let phi = std::f32::consts::TAU * (j as f32 + 0.5) / steps as f32;
                 let wi = Vec3::new(sin * phi.cos(), sin * phi.sin(), cos);
-                let arriving = Rgb::new(1.0, wi.dot(wall.shading_normal), 0.0) * cos;
+                let arriving = Rgb::new(1.0, wi.dot(wall.0.shading_normal), 0.0) * cos;
                 sum += point.radiance(-wi, arriving).0.as_dvec3();
             }
         }
@@ -140,10 +136,28 @@ fn photons_of_another_wall_are_not_near() {
     let wall = Wall::tilted(0.5);
     let point = SurfacePoint::new(&wall, &(), Vec3::Z);
     assert!(point.is_near(Vec3::new(0.9, 0.0, 0.0), 1.0));
-    assert!(point.is_near(Vec3::new(0.9, 0.0, -0.09), 1.0));
-    assert!(!point.is_near(Vec3::new(0.0, 0.3, 0.11), 1.0));
-    assert!(!point.is_near(Vec3::new(0.0, 0.3, -0.11), 1.0));
-    // On a sphere of five radii the whole disc is near: its edge lies 0.1 r lower.
-    let edge = Vec3::new(0.0, 0.2_f32.asin().sin(), 0.2_f32.asin().cos()) - Vec3::Z;
-    assert!(point.is_near(5.0 * edge, 1.02));
+    assert!(point.is_near(Vec3::new(0.9, 0.0, -0.29), 1.0));
+    assert!(!point.is_near(Vec3::new(0.0, 0.3, 0.31), 1.0));
+    assert!(!point.is_near(Vec3::new(0.0, 0.3, -0.31), 1.0));
+    // On a sphere of 5/3 radii the whole disc is near: its edge, a chord of 1, lies 0.3 r lower.
+    let edge = Vec3::new(0.0, (1.0 - 0.3_f32.powi(2)).sqrt(), -0.3);
+    assert!(point.is_near(edge, 1.001) && (edge + 5.0 / 3.0 * Vec3::Z).length() < 1.6667);
+}
+
+#[test]
+fn rounding_does_not_lose_photons_of_a_plane() {
+    // Two points of a tilted plane a hundred units away, and a radius of ten units in the last
+    // place of their coordinates.
+    let normal = Vec3::new(0.3, 0.5, 0.8).normalize();
+    let wall = Wall(Surface {
+        position: 100.0 * normal,
+        geometric_normal: normal,
+        shading_normal: normal,
+    });
+    let point = SurfacePoint::new(&wall, &(), normal);
+    let across = normal.any_orthonormal_vector();
+    for i in 0..100 {
+        let photon = 100.0 * normal + 1e-6 * i as f32 * across;
+        assert!(point.is_near(photon - point.position(), 1e-4));
+    }
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 use tyndall_core::{MediumId, Ray, Rgb, Sampler, SensorRay, Spectrum};
 use tyndall_density::{Kernel, SurfacePoint};
 use tyndall_kd_tree::Photons;
-use tyndall_photons::{Gather, Light, PhotonMaps, Search, Sight, radiance};
+use tyndall_photons::{Gather, Incident, PhotonMaps, Search, Sight, radiance};
 use tyndall_scene_io::{Scene, SceneFile};
 use tyndall_testkit::rng;
 use tyndall_testkit::stats::{Moments, check_means};
@@ -51,14 +51,14 @@ impl Sight<Scene<Rgb>> for Surfaces<'_> {
         &mut self,
         vertex: &Vertex<Scene<Rgb>>,
         point: &SurfacePoint<'_, Scene<Rgb>>,
-        light: Light,
+        light: Incident,
         sampler: &mut impl Sampler,
     ) -> Rgb {
         let mut on = |photons: &Photons<Rgb>, sharp| self.gather.surface(photons, point, sharp);
         let caustic = on(&self.maps.caustic, true).radiance;
         let scattered = match light {
-            Light::All => on(&self.maps.diffuse, false).radiance,
-            Light::Unscattered => Rgb::default(),
+            Incident::All => on(&self.maps.diffuse, false).radiance,
+            Incident::Unscattered => Rgb::default(),
         };
         let direct = if self.samples_lights {
             BySampling::scattered(
