@@ -2,7 +2,6 @@
 
 use tyndall_beam_radiance::{BeamRadiance, Blur, Transmittance};
 use tyndall_core::{AnyIntegrator, Spectrum};
-use tyndall_density::Kernel;
 use tyndall_driver::PassStreams;
 use tyndall_path::{Path, Scattering};
 use tyndall_photon_map::PhotonMap;
@@ -56,8 +55,9 @@ fn photon_map<S: Spectrum, D: DirectLight<Scene<S>>>(config: &PhotonConfig) -> B
     let map = with(map, config.paths, PhotonMap::paths);
     let map = with(map, bytes(config), PhotonMap::max_bytes);
     let map = with(map, config.nearest, PhotonMap::nearest);
+    let map = with(map, config.max_radius, PhotonMap::max_radius);
     let map = with(map, config.radius, PhotonMap::radius);
-    let map = with(map, kernel(config), PhotonMap::kernel);
+    let map = with(map, config.kernel, PhotonMap::kernel);
     Box::new(with(map, config.final_gather, PhotonMap::final_gather))
 }
 
@@ -66,9 +66,10 @@ fn progressive<S: Spectrum, D: DirectLight<Scene<S>>>(config: &PhotonConfig) -> 
     let map = with(map, config.paths, ProgressivePhotonMap::paths);
     let map = with(map, bytes(config), ProgressivePhotonMap::max_bytes);
     let map = with(map, config.nearest, ProgressivePhotonMap::nearest);
+    let map = with(map, config.max_radius, ProgressivePhotonMap::max_radius);
     let map = with(map, config.radius, ProgressivePhotonMap::radius);
     let map = with(map, config.alpha, ProgressivePhotonMap::alpha);
-    let map = with(map, kernel(config), ProgressivePhotonMap::kernel);
+    let map = with(map, config.kernel, ProgressivePhotonMap::kernel);
     let statistics = config.statistics == Some(true);
     let radii = statistics.then_some(Radii::Statistics);
     Box::new(with(map, radii, ProgressivePhotonMap::radii))
@@ -81,30 +82,25 @@ fn beam_radiance<S: Spectrum, D: DirectLight<Scene<S>>>(config: &PhotonConfig) -
     let beams = with(beams, config.nearest, |beams, count| {
         beams.nearest(count).surface_nearest(count)
     });
+    let beams = with(beams, config.max_radius, |beams, radius| {
+        beams.max_radius(radius).surface_max_radius(radius)
+    });
     let beams = with(beams, config.radius, |beams, radius| {
         beams.radius(radius).surface_radius(radius)
     });
     let beams = with(beams, config.alpha, BeamRadiance::alpha);
-    let beams = with(beams, kernel(config), BeamRadiance::kernel);
+    let beams = with(beams, config.kernel, BeamRadiance::kernel);
     let balls = (config.blur == Some(3)).then_some(Blur::Ball);
     let beams = with(beams, balls, BeamRadiance::blur);
-    let tracking = config.transmittance == Some("tracking");
-    let tracking = tracking.then_some(Transmittance::Tracking { flights: FLIGHTS });
-    Box::new(with(beams, tracking, BeamRadiance::transmittance))
+    let transmittance = config.tracking.map(|tracking| match tracking {
+        true => Transmittance::Tracking { flights: FLIGHTS },
+        false => Transmittance::default(),
+    });
+    Box::new(with(beams, transmittance, BeamRadiance::transmittance))
 }
 
 fn bytes(config: &PhotonConfig) -> Option<u64> {
     config.memory.map(|mebibytes| mebibytes << 20)
-}
-
-fn kernel(config: &PhotonConfig) -> Option<Kernel> {
-    config.kernel.map(|name| match name {
-        "constant" => Kernel::Constant,
-        "biweight" => Kernel::Biweight,
-        "cone" => Kernel::Cone,
-        "gaussian" => Kernel::Gaussian,
-        _ => Kernel::Epanechnikov,
-    })
 }
 
 fn scattering(config: &IntegratorConfig) -> Scattering {
@@ -203,21 +199,26 @@ fn settings(config: &PhotonConfig) -> impl Iterator<Item = (&'static str, String
         final_gather,
         statistics,
         blur,
-        transmittance,
+        tracking,
+        max_radius,
         ..
     } = config;
     let said = [
         ("paths", paths.map(|x| x.to_string())),
         ("memory", memory.map(|x| x.to_string())),
         ("radius", radius.map(|x| x.to_string())),
+        ("max_radius", max_radius.map(|x| x.to_string())),
         ("nearest", nearest.map(|x| x.to_string())),
         ("alpha", alpha.map(|x| x.to_string())),
-        ("kernel", kernel.map(str::to_owned)),
+        ("kernel", kernel.map(|x| format!("{x:?}"))),
         ("sample_lights", sample_lights.map(|x| x.to_string())),
         ("final_gather", final_gather.map(|x| x.to_string())),
         ("statistics", statistics.map(|x| x.to_string())),
         ("blur", blur.map(|x| x.to_string())),
-        ("transmittance", transmittance.map(str::to_owned)),
+        (
+            "transmittance",
+            tracking.map(|x| (if x { "tracking" } else { "table" }).into()),
+        ),
     ];
     (said.into_iter()).filter_map(|(key, value)| value.map(|value| (key, value)))
 }

@@ -2,6 +2,7 @@
 
 use super::reader::{Field, Table};
 use crate::Error;
+use tyndall_density::Kernel;
 
 /// What `[integrator]` says: plain data, for the command to make an integrator of.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,10 +43,12 @@ pub struct PhotonConfig {
     pub radius: Option<f32>,
     /// The photons that a (starting) radius holds; never with `radius`.
     pub nearest: Option<usize>,
+    /// No photon farther away is taken, in scene units.
+    pub max_radius: Option<f32>,
     /// How slowly radii shrink: the share of photons kept, in (0, 1].
     pub alpha: Option<f64>,
-    /// Name of the smoothing kernel.
-    pub kernel: Option<&'static str>,
+    /// The smoothing kernel.
+    pub kernel: Option<Kernel>,
     /// Whether the lights are sampled for direct light, or photons bring it.
     pub sample_lights: Option<bool>,
     /// Walks of final gathering.
@@ -54,14 +57,18 @@ pub struct PhotonConfig {
     pub statistics: Option<bool>,
     /// Dimensions over which photons along a ray are smoothed: 2 or 3.
     pub blur: Option<u8>,
-    /// How transmittance along a ray is found.
-    pub transmittance: Option<&'static str>,
+    /// Whether transmittance along a ray is found by flights, or by a table.
+    pub tracking: Option<bool>,
 }
 
-/// Names of smoothing kernels.
-const KERNELS: [&str; 5] = ["constant", "epanechnikov", "biweight", "cone", "gaussian"];
-/// Ways to find the transmittance along a ray.
-const TRANSMITTANCES: [&str; 2] = ["table", "tracking"];
+/// The smoothing kernels by name.
+const KERNELS: [(&str, Kernel); 5] = [
+    ("constant", Kernel::Constant),
+    ("epanechnikov", Kernel::Epanechnikov),
+    ("biweight", Kernel::Biweight),
+    ("cone", Kernel::Cone),
+    ("gaussian", Kernel::Gaussian),
+];
 
 impl IntegratorConfig {
     /// Of a file that has no `[integrator]`.
@@ -103,17 +110,22 @@ pub(super) fn read(field: Option<&Field<'_>>) -> Result<IntegratorConfig, Error>
 }
 
 fn read_photons(table: &Table<'_>) -> Result<PhotonConfig, Error> {
-    let [radius, nearest] = ["radius", "nearest"].map(|key| table.optional(key));
-    if let (Some(_), Some(nearest)) = (&radius, &nearest) {
-        return Err(nearest.error("`radius` and `nearest` exclude each other: remove one"));
+    let [radius, nearest, max_radius] =
+        ["radius", "nearest", "max_radius"].map(|key| table.optional(key));
+    for (key, other) in [("nearest", &nearest), ("max_radius", &max_radius)] {
+        if let (Some(_), Some(other)) = (&radius, other) {
+            return Err(other.error(format!(
+                "`radius` and `{key}` exclude each other: remove one"
+            )));
+        }
     }
     let alpha = table.optional("alpha").map(|field| {
         let range = "a number above 0 and at most 1";
         (field.number_that(|x| x as f32 > 0.0 && x <= 1.0, range)).and_then(|_| field.number())
     });
-    let word = |key, words| {
+    let chosen = |key, words: &[&str]| {
         let field = table.optional(key);
-        field.map(|field| field.one_of(words)).transpose()
+        field.map(|field| field.name_in("value", words)).transpose()
     };
     let truth = |key| {
         let field = table.optional(key);
@@ -123,14 +135,15 @@ fn read_photons(table: &Table<'_>) -> Result<PhotonConfig, Error> {
         paths: count(table, "paths", 1, 1 << 32)?,
         memory: count(table, "memory", 1, 1 << 40)?,
         radius: radius.map(|field| field.positive()).transpose()?,
+        max_radius: max_radius.map(|field| field.positive()).transpose()?,
         nearest: count(table, "nearest", 2, 1 << 20)?.map(|n| n as usize),
         alpha: alpha.transpose()?,
-        kernel: word("kernel", &KERNELS)?,
+        kernel: chosen("kernel", &KERNELS.map(|(name, _)| name))?.map(|i| KERNELS[i].1),
         sample_lights: truth("sample_lights")?,
         final_gather: count(table, "final_gather", 1, 1 << 20)?.map(|n| n as u32),
         statistics: truth("statistics")?,
         blur: count(table, "blur", 2, 3)?.map(|n| n as u8),
-        transmittance: word("transmittance", &TRANSMITTANCES)?,
+        tracking: chosen("transmittance", &["table", "tracking"])?.map(|i| i == 1),
     })
 }
 
