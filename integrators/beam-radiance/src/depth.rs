@@ -8,7 +8,7 @@ pub(crate) const OPAQUE: f32 = 87.0;
 /// Halvings of a piece.
 const LEVELS: u32 = 16;
 /// Knots of a table.
-const KNOTS: usize = 1 << 15;
+const KNOTS: usize = 1 << 14;
 /// Optical depth that is added to that of a piece to get its share of the error: those that are
 /// almost empty need no relative precision.
 const FLOOR: f64 = 1.0 / 1024.0;
@@ -24,8 +24,10 @@ const FLOOR: f64 = 1.0 / 1024.0;
 /// depth between two knots by ε/(2 Tr): together |ΔTr| ≤ Tr·(ε/2·τ + ε/(2 Tr)) ≤ ε, for τ·e^−τ < 1.
 /// What is reported is the largest such sum of the estimates, where halving ended. What lies
 /// between two samples and shows in none of them is not seen.
+///
+/// Where all channels are beyond a depth of 87 the table ends: no `f32` sees farther.
 #[derive(Clone, Debug)]
-pub(crate) struct DepthTable<S> {
+pub struct DepthTable<S> {
     knots: Vec<Knot<S>>,
     /// For even steps along the ray, the knot from where to look on.
     guide: Vec<u32>,
@@ -69,8 +71,9 @@ impl<S> Default for DepthTable<S> {
 }
 
 impl<S: Spectrum> DepthTable<S> {
-    /// Measures the ray, which is finite, and returns the largest error of transmittance met.
-    pub(crate) fn measure<M: Medium<Spectrum = S>>(
+    /// Measures a ray of finite length for a transmittance within `max_error`, and returns the error
+    /// of what it came to: more if knots ran out, or halvings.
+    pub fn measure<M: Medium<Spectrum = S>>(
         &mut self,
         medium: &M,
         ray: &Ray,
@@ -105,11 +108,8 @@ impl<S: Spectrum> DepthTable<S> {
         let (mut start, end) = (f64::from(t_min), f64::from(t_max.min(ray.t_max)));
         let mut first = sigma_t(start);
         while start < end {
-            let next = (start + 1.0 / f64::from(sigma_bar)).min(end);
-            if !(next as f32 > start as f32) {
-                start = f64::from((start as f32).next_up());
-                continue;
-            }
+            let least = f64::from((start as f32).next_up());
+            let next = (start + 1.0 / f64::from(sigma_bar)).max(least).min(end);
             let last = sigma_t(next);
             let piece = Piece {
                 ends: [start, next],
@@ -230,9 +230,12 @@ impl<S: Spectrum> DepthTable<S> {
         ((t * self.steps) as usize).min(self.knots.len() - 1)
     }
 
-    /// The optical depth up to `t`.
+    /// The optical depth up to `t`, within the ray that was measured.
+    ///
+    /// # Panics
+    /// None was.
     #[inline]
-    pub(crate) fn depth(&self, t: f32) -> S {
+    pub fn depth(&self, t: f32) -> S {
         let mut index = self.guide[self.step(t)] as usize;
         while self.knots.get(index + 1).is_some_and(|next| next.t <= t) {
             index += 1;

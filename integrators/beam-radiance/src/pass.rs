@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU32, Ordering};
 use tyndall_core::{Aabb, MediumId, PassError, Spectrum};
-use tyndall_density::{Dimension, Schedule};
+use tyndall_density::{Dimension, RADII, Schedule};
 use tyndall_kd_tree::Photons;
 use tyndall_photons::{PhotonMaps, Search};
 
@@ -126,20 +126,22 @@ fn bound_lonely<S: Spectrum>(photons: &Photons<S>, radii: &mut [f32]) {
     }
 }
 
-/// The discs of every medium.
+/// The discs of every medium, in the order of ids.
 fn discs<S: Spectrum>(
     photons: &Photons<S>,
     radii: &[f32],
     blur: Blur,
 ) -> Result<Vec<PhotonDiscs<S>>, PassError> {
-    let mut media: Vec<MediumId> = Vec::new();
-    for slot in 0..photons.len() {
-        let medium = photons.medium(slot);
-        if media.last() != Some(&medium) && !media.contains(&medium) {
-            media.push(medium);
+    let mut slots: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    for (slot, radius) in radii.iter().enumerate() {
+        if RADII.contains(radius) {
+            let medium = photons.medium(slot).0;
+            slots.entry(medium).or_default().push(slot as u32);
         }
     }
-    media.sort_unstable_by_key(|medium| medium.0);
-    let build = |&medium| PhotonDiscs::build(photons, radii, medium, blur);
-    media.par_iter().map(build).collect()
+    let slots: Vec<_> = slots.into_iter().collect();
+    slots
+        .par_iter()
+        .map(|(medium, slots)| PhotonDiscs::build(MediumId(*medium), photons, slots, radii, blur))
+        .collect()
 }
