@@ -1,8 +1,8 @@
 //! The command line.
 
 use crate::diff::DiffArguments;
+use crate::integrators::INTEGRATORS;
 use crate::merge::MergeArguments;
-use crate::render::INTEGRATORS;
 use crate::volume::VolumeCommand;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;

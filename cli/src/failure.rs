@@ -2,6 +2,7 @@
 
 use crate::checkpoint::CheckpointError;
 use crate::diff::Mismatch;
+use crate::integrators::INTEGRATORS;
 use crate::merge::Refusal;
 use crate::progress::{line, message};
 use miette::{Diagnostic, MietteHandlerOpts};
@@ -20,7 +21,7 @@ pub(crate) enum Error {
     CommandLine(String),
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
-    #[error("{}: `integrator.kind`: no integrator is called `{name}`: choose `path`", scene.display())]
+    #[error("{}: `integrator.kind`: no integrator is called `{name}`: choose one of {}", scene.display(), INTEGRATORS.join(", "))]
     UnknownIntegrator { scene: PathBuf, name: String },
     #[error(transparent)]
     Render(#[from] RenderError),

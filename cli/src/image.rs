@@ -3,11 +3,9 @@
 use crate::arguments::RenderArguments;
 use crate::failure::Error;
 use crate::progress::message;
-use crate::render::scattering;
 use tyndall_core::Spectrum;
 use tyndall_driver::{Film, PassStreams};
-use tyndall_path::Scattering;
-use tyndall_scene_io::{IntegratorConfig, Metadata, RenderOutput, Scene, write_exr, write_png};
+use tyndall_scene_io::{Metadata, RenderOutput, Scene, write_exr, write_png};
 
 /// Samples a pixel of albedo, normal and depth, unless there were fewer passes.
 const FEATURE_SAMPLES: u64 = 16;
@@ -15,27 +13,12 @@ const FEATURE_SAMPLES: u64 = 16;
 /// What a render that was stopped says.
 pub(crate) const INTERRUPTED: &str = "interrupted: the image holds the passes finished until then";
 
-/// What a reader of the image must know.
+/// What a reader of the image must know, the biases of its integrator first.
 pub(crate) fn notes<S: Spectrum>(
-    config: &IntegratorConfig,
+    mut notes: Vec<String>,
     film: &Film<S>,
     interrupted: bool,
 ) -> Vec<String> {
-    let mut notes = Vec::new();
-    if let Some(depth) = config.max_depth {
-        notes.push(format!(
-            "biased: paths of more than {depth} scatterings are left out (max_depth)"
-        ));
-    }
-    match scattering(config) {
-        Scattering::Multiple => {}
-        Scattering::Single => {
-            notes.push("light that media scatter more than once is left out (scattering)".into())
-        }
-        Scattering::None => {
-            notes.push("light that media scatter is left out (scattering)".into());
-        }
-    }
     if film.mean().iter().all(|value| *value == 0.0) {
         notes.push("the image is black: no light was found".into());
     }

@@ -7,6 +7,7 @@ mod diff;
 mod failure;
 mod image;
 mod inspect;
+mod integrators;
 mod keeper;
 mod merge;
 mod preview;

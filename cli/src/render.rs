@@ -4,15 +4,15 @@ use crate::arguments::RenderArguments;
 use crate::checkpoint::{Checkpoint, Identity, fingerprint};
 use crate::failure::Error;
 use crate::image;
+use crate::integrators::{biases, describe, integrator};
 use crate::keeper::Keeper;
 use crate::preview::Preview;
 use crate::progress::{Bar, line, message};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use tyndall_core::{AnyIntegrator, Rgb, Spectrum};
-use tyndall_driver::{Budget, PassStreams, Render, Snapshot};
-use tyndall_path::{Path, Scattering};
-use tyndall_scene_io::{IntegratorConfig, Metadata, Scene, SceneFile, check_writable};
+use tyndall_core::{Rgb, Spectrum};
+use tyndall_driver::{Budget, Render, Snapshot};
+use tyndall_scene_io::{Metadata, Scene, SceneFile, check_writable};
 
 /// Passes where neither the command line nor the scene says how many.
 const PASSES: u64 = 64;
@@ -92,7 +92,7 @@ fn render<S: Spectrum>(
     let interrupted = cancelled.load(Ordering::Relaxed);
     let metadata = Metadata {
         scene: arguments.scene.display().to_string(),
-        notes: image::notes(config, snapshot.film(), interrupted),
+        notes: image::notes(biases(name, config), snapshot.film(), interrupted),
         ..metadata(&checkpoint, &snapshot)
     };
     let written = image::write(arguments, &scene, snapshot.film(), &metadata);
@@ -183,40 +183,4 @@ fn passes<S: Spectrum>(
         preview.finish(snapshot.film());
     }
     Ok(snapshot)
-}
-
-/// Names of integrators.
-pub(crate) const INTEGRATORS: [&str; 1] = ["path"];
-
-/// The integrator of this name, as the scene configures it.
-fn integrator<S: Spectrum>(
-    name: &str,
-    config: &IntegratorConfig,
-) -> Option<Box<dyn AnyIntegrator<Scene<S>, PassStreams>>> {
-    match name {
-        "path" => Some(Box::new(
-            Path::new()
-                .max_depth(config.max_depth)
-                .scattering(scattering(config)),
-        )),
-        _ => None,
-    }
-}
-
-pub(crate) fn scattering(config: &IntegratorConfig) -> Scattering {
-    match config.scattering {
-        tyndall_scene_io::Scattering::None => Scattering::None,
-        tyndall_scene_io::Scattering::Single => Scattering::Single,
-        tyndall_scene_io::Scattering::Multiple => Scattering::Multiple,
-    }
-}
-
-fn describe(name: &str, config: &IntegratorConfig) -> String {
-    let depth = config
-        .max_depth
-        .map_or("unlimited".into(), |depth| depth.to_string());
-    format!(
-        "{name}, max_depth {depth}, {:?} scattering in media",
-        scattering(config)
-    )
 }

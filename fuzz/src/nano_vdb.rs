@@ -14,7 +14,7 @@ static FILE: LazyLock<NamedTempFile> = LazyLock::new(|| NamedTempFile::new().exp
 /// What NanoVDB itself wrote: every type, with Blosc too.
 macro_rules! written_by_others {
     ($($name:literal),*) => {
-        [$(include_bytes!(concat!("../../scene-io/tests/nano_vdb/", $name, ".nvdb")).to_vec()),*]
+        [$(include_bytes!(concat!("../../scene-io/tests/scene_io/nano_vdb/", $name, ".nvdb")).to_vec()),*]
     };
 }
 

@@ -1,7 +1,7 @@
 //! How much memory small files can take: a stated number of times what they have, while they are read
 //! and after.
 
-#[path = "open_vdb/encoder.rs"]
+#[path = "scene_io/open_vdb/encoder.rs"]
 #[allow(dead_code, reason = "the tests of OpenVDB files use the rest")]
 mod encoder;
 

@@ -1,11 +1,13 @@
-//! The builder: blocks of eight slots, nodes of eight children.
+//! The builder: leaves of eight blocks of eight slots, nodes of eight children.
 
+mod cost;
 mod split;
 
 use crate::node::{Child, Node};
-use crate::{BuildError, LANES, LIMIT};
+use crate::{BuildError, LEAF, LIMIT};
+use glam::Vec3;
 use rayon::prelude::*;
-use split::{by_cost, evenly};
+use split::{by_cost, evenly, into_blocks};
 use tyndall_core::Aabb;
 
 /// How much a tree should cost to build.
@@ -22,17 +24,19 @@ pub enum Quality {
 
 /// A primitive while it is sorted.
 #[derive(Clone, Copy)]
-pub(crate) struct Item {
-    pub(crate) bounds: Aabb,
-    pub(crate) index: u32,
+struct Item {
+    /// Twice the centre, and the size: what primitives are split by. Sizes count, since one large
+    /// primitive widens the box of all that share its leaf.
+    key: [f32; 4],
+    index: u32,
 }
 
 /// Items below which a task is not worth its start.
-pub(crate) const TASK: usize = 4096;
+const TASK: usize = 8192;
 /// Levels after which even `High` splits evenly, so that no tree is deeper than [`MAX_DEPTH`].
 const LEVELS_BY_COST: usize = 20;
-/// 2³² slots evenly are 8 · 8¹⁰.
-pub(crate) const MAX_DEPTH: usize = LEVELS_BY_COST + 11;
+/// Evenly, 2³² slots are 8⁹ leaves and a little.
+pub(crate) const MAX_DEPTH: usize = LEVELS_BY_COST + 10;
 
 /// Nodes, the root first, and the primitive of each slot.
 pub(crate) fn build(
@@ -42,7 +46,7 @@ pub(crate) fn build(
     let mut items = check(bounds)?;
     let mut nodes = Vec::new();
     if !items.is_empty() {
-        grow(&mut items, 0, quality, 0, &mut nodes);
+        Builder { bounds, quality }.grow(&mut items, 0, 0, &mut nodes);
     }
     nodes.shrink_to_fit();
     let order = items.par_iter().map(|item| item.index).collect();
@@ -55,96 +59,111 @@ fn check(bounds: &[Aabb]) -> Result<Vec<Item>, BuildError> {
             count: bounds.len(),
         });
     }
-    let item = |(index, bounds): (usize, &Aabb)| {
-        let within = |v: glam::Vec3| v.abs().cmple(glam::Vec3::splat(LIMIT)).all();
-        if bounds.is_empty() && !bounds.min.is_nan() && !bounds.max.is_nan() {
-            Err(BuildError::Empty { index })
+    let within = |v: Vec3| v.abs().cmple(Vec3::splat(LIMIT)).all();
+    let fault = |(index, bounds): (usize, &Aabb)| {
+        if bounds.min.is_nan() || bounds.max.is_nan() {
+            Some(BuildError::NotFinite { index })
+        } else if bounds.is_empty() {
+            Some(BuildError::Empty { index })
         } else if !(within(bounds.min) && within(bounds.max)) {
-            Err(BuildError::NotFinite { index })
+            Some(BuildError::NotFinite { index })
         } else {
-            Ok(Item {
-                bounds: *bounds,
-                index: index as u32,
-            })
+            None
         }
     };
-    bounds.par_iter().enumerate().map(item).collect()
+    let faults = bounds.par_iter().enumerate();
+    if let Some(fault) = faults.find_map_first(fault) {
+        return Err(fault);
+    }
+    let item = |(index, bounds): (usize, &Aabb)| {
+        let [x, y, z] = (bounds.min + bounds.max).to_array();
+        Item {
+            key: [x, y, z, bounds.size().max_element()],
+            index: index as u32,
+        }
+    };
+    Ok(bounds.par_iter().enumerate().map(item).collect())
 }
 
-/// Appends the subtree over `items`, the first of which is in slot `first`; returns its box.
-fn grow(
-    items: &mut [Item],
-    first: usize,
+struct Builder<'a> {
+    bounds: &'a [Aabb],
     quality: Quality,
-    depth: usize,
-    nodes: &mut Vec<Node>,
-) -> Aabb {
-    let (ends, count) = match quality {
-        Quality::High if depth < LEVELS_BY_COST => by_cost(items),
-        _ => evenly(items),
-    };
-    let root = nodes.len();
-    nodes.push(Node::EMPTY);
-    let mut parts = Vec::with_capacity(count);
-    let (mut rest, mut start) = (items, 0);
-    for &end in &ends[..count] {
-        let (part, behind) = rest.split_at_mut(end - start);
-        parts.push((first + start, part));
-        (rest, start) = (behind, end);
-    }
-    let parallel = first_len(&parts) > TASK;
-    let subtree = |(first, part): (usize, &mut [Item])| {
-        let mut nodes = Vec::new();
-        let bounds = grow(part, first, quality, depth + 1, &mut nodes);
-        (bounds, nodes)
-    };
-    if parallel {
-        let grown: Vec<_> = parts
-            .into_par_iter()
-            .map(|(first, part)| match part.len() {
-                0..=LANES => (union(part), Err(first / LANES)),
-                _ => {
-                    let (bounds, nodes) = subtree((first, part));
-                    (bounds, Ok(nodes))
-                }
-            })
-            .collect();
+}
+
+impl Builder<'_> {
+    /// Appends the subtree over `items`, the first of which is in slot `first`; returns its box.
+    fn grow(&self, items: &mut [Item], first: usize, depth: usize, nodes: &mut Vec<Node>) -> Aabb {
+        let parallel = items.len() > TASK;
+        let parts = self.split(items, first, depth);
+        let root = nodes.len();
+        nodes.push(Node::EMPTY);
         let mut whole = Aabb::EMPTY;
-        for (lane, (bounds, below)) in grown.into_iter().enumerate() {
-            let child = match below {
-                Ok(mut below) => {
-                    let offset = nodes.len() - root;
-                    nodes.append(&mut below);
-                    Child::Node(offset as u32)
-                }
-                Err(block) => Child::Block(block as u32),
-            };
+        let mut adopt = |nodes: &mut Vec<Node>, lane, (bounds, child)| {
             nodes[root].set(lane, bounds, child);
             whole = whole.union(bounds);
-        }
-        return whole;
-    }
-    let mut whole = Aabb::EMPTY;
-    for (lane, (first, part)) in parts.into_iter().enumerate() {
-        let (bounds, child) = if part.len() <= LANES {
-            (union(part), Child::Block((first / LANES) as u32))
-        } else {
-            let offset = nodes.len() - root;
-            let bounds = grow(part, first, quality, depth + 1, nodes);
-            (bounds, Child::Node(offset as u32))
         };
-        nodes[root].set(lane, bounds, child);
-        whole = whole.union(bounds);
+        if parallel {
+            let grow = |(first, part): (usize, _)| {
+                let mut below = Vec::new();
+                (self.child(part, first, depth, 0, &mut below), below)
+            };
+            let grown: Vec<_> = parts.into_par_iter().map(grow).collect();
+            for (lane, ((bounds, child), mut below)) in grown.into_iter().enumerate() {
+                let child = child.moved(nodes.len() - root);
+                nodes.append(&mut below);
+                adopt(nodes, lane, (bounds, child));
+            }
+        } else {
+            for (lane, (first, part)) in parts.into_iter().enumerate() {
+                let child = self.child(part, first, depth, root, nodes);
+                adopt(nodes, lane, child);
+            }
+        }
+        whole
     }
-    whole
-}
 
-fn first_len(parts: &[(usize, &mut [Item])]) -> usize {
-    parts.iter().map(|(_, part)| part.len()).sum()
-}
+    /// The parts of a node, each with its first slot.
+    fn split<'i>(
+        &self,
+        items: &'i mut [Item],
+        first: usize,
+        depth: usize,
+    ) -> Vec<(usize, &'i mut [Item])> {
+        let (ends, count) = match self.quality {
+            Quality::High if depth < LEVELS_BY_COST => by_cost(items, self.bounds),
+            _ => evenly(items),
+        };
+        let (mut rest, mut start) = (items, 0);
+        let part = |&end: &usize| {
+            let (part, behind) = std::mem::take(&mut rest).split_at_mut(end - start);
+            let slot = first + start;
+            (rest, start) = (behind, end);
+            (slot, part)
+        };
+        ends[..count].iter().map(part).collect()
+    }
 
-fn union(items: &[Item]) -> Aabb {
-    items
-        .iter()
-        .fold(Aabb::EMPTY, |all, item| all.union(item.bounds))
+    /// Makes a leaf, or appends a subtree; its box, and what it is to the node at `root`.
+    fn child(
+        &self,
+        items: &mut [Item],
+        first: usize,
+        depth: usize,
+        root: usize,
+        nodes: &mut Vec<Node>,
+    ) -> (Aabb, Child) {
+        if items.len() <= LEAF {
+            into_blocks(items);
+            return (self.union(items), Child::Leaf((first / LEAF) as u32));
+        }
+        let offset = nodes.len() - root;
+        let bounds = self.grow(items, first, depth + 1, nodes);
+        (bounds, Child::Node(offset as u32))
+    }
+
+    fn union(&self, items: &[Item]) -> Aabb {
+        items.iter().fold(Aabb::EMPTY, |all, item| {
+            all.union(self.bounds[item.index as usize])
+        })
+    }
 }

@@ -2,7 +2,7 @@
 
 use crate::builder::{self, MAX_DEPTH};
 use crate::node::{Child, Node, Slabs};
-use crate::{BuildError, Invalid, LANES, Quality};
+use crate::{BuildError, Invalid, LANES, LEAF, Quality};
 use std::ops::Range;
 use tyndall_core::{Aabb, Ray};
 
@@ -47,16 +47,16 @@ impl Bvh {
                         stack[waiting] = index + offset;
                         waiting += 1;
                     }
-                    Child::Block(block) => visit(self.slots_of(block)),
+                    Child::Leaf(leaf) => visit(self.slots_of(leaf)),
                 }
             }
         }
     }
 
     #[inline]
-    fn slots_of(&self, block: u32) -> Range<usize> {
-        let start = block as usize * LANES;
-        start..(start + LANES).min(self.slots)
+    fn slots_of(&self, leaf: u32) -> Range<usize> {
+        let start = leaf as usize * LEAF;
+        start..(start + LEAF).min(self.slots)
     }
 
     /// Primitives.
@@ -74,13 +74,95 @@ impl Bvh {
         size_of_val(self.nodes.as_slice())
     }
 
-    /// Whether every leaf is met once and lies in the boxes above it. `bounds` is the box of a
-    /// slot.
+    /// Whether every node and every leaf is met once and lies in the box above it. `bounds` is the
+    /// box of the primitive in a slot.
     ///
     /// # Errors
     /// The first fault found.
     pub fn validate(&self, bounds: impl Fn(usize) -> Aabb) -> Result<(), Invalid> {
-        let _ = bounds;
-        Ok(())
+        let mut nodes = vec![false; self.nodes.len()];
+        let mut leaves = vec![false; self.slots.div_ceil(LEAF)];
+        if let Some(root) = nodes.first_mut() {
+            *root = true;
+        }
+        for (index, node) in self.nodes.iter().enumerate() {
+            let lanes = (0..LANES).map(|lane| (lane, node.bounds(lane), node.child(lane)));
+            for (lane, above, child) in lanes.filter(|(_, above, _)| !above.is_empty()) {
+                let (met, below) = match child {
+                    Child::Node(offset) => {
+                        let behind = index + offset as usize;
+                        let below = self.nodes.get(behind).filter(|_| offset > 0);
+                        (
+                            nodes.get_mut(behind),
+                            below.map_or(Aabb::EMPTY, Node::whole),
+                        )
+                    }
+                    Child::Leaf(leaf) => {
+                        let below = self.slots_of(leaf).map(&bounds);
+                        let below = below.fold(Aabb::EMPTY, Aabb::union);
+                        (leaves.get_mut(leaf as usize), below)
+                    }
+                };
+                match met {
+                    Some(met) if !*met => *met = true,
+                    _ => return Err(Invalid::Child { node: index, lane }),
+                }
+                if below.is_empty() || above.union(below) != above {
+                    return Err(Invalid::Outside { node: index, lane });
+                }
+            }
+        }
+        match nodes.iter().chain(&leaves).filter(|met| !**met).count() {
+            0 => Ok(()),
+            count => Err(Invalid::Unreachable { count }),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    fn unit(i: usize) -> Aabb {
+        let min = Vec3::new(i as f32, 0.0, 0.0);
+        Aabb {
+            min,
+            max: min + 1.0,
+        }
+    }
+
+    #[test]
+    fn a_broken_tree_is_found() {
+        let bounds: Vec<_> = (0..1000).map(unit).collect();
+        let (tree, order) = Bvh::build(&bounds, Quality::Fast).expect("boxes are good");
+        let of_slot = |slot: usize| bounds[order[slot] as usize];
+        assert_eq!(tree.validate(of_slot), Ok(()));
+        let broken = |lane, bounds, child| {
+            let mut tree = tree.clone();
+            tree.nodes[0].set(lane, bounds, child);
+            tree.validate(of_slot)
+        };
+        let [node, lane] = [0, 1];
+        let (above, child) = (tree.nodes[0].bounds(1), tree.nodes[0].child(1));
+        let outside = Err(Invalid::Outside { node, lane });
+        assert_eq!(broken(1, unit(500), child), outside);
+        let first = tree.nodes[0].child(0);
+        let everything = tree.nodes[0].whole();
+        let twice = Err(Invalid::Child { node: 0, lane: 1 });
+        assert_eq!(
+            broken(1, everything, first).map_err(|e| matches!(e, Invalid::Child { .. })),
+            Err(true)
+        );
+        assert_eq!(broken(1, above, Child::Node(1 << 20)), twice);
+        assert_eq!(broken(1, above, Child::Leaf(1 << 20)), twice);
+        assert_eq!(broken(1, everything, Child::Node(0)), twice);
+        let unreachable = broken(1, Aabb::EMPTY, child);
+        assert!(
+            matches!(unreachable, Err(Invalid::Unreachable { .. })),
+            "{unreachable:?}"
+        );
+        let wrong = tree.validate(|slot| unit(order[slot] as usize + 1));
+        assert!(matches!(wrong, Err(Invalid::Outside { .. })), "{wrong:?}");
     }
 }

@@ -1,6 +1,6 @@
 //! Photon discs that face the ray, and the spheres around them.
 
-use crate::{BuildError, Bvh, Invalid, LANES, LIMIT, Quality};
+use crate::{BuildError, Bvh, Invalid, LANES, LEAF, LIMIT, Quality};
 use glam::Vec3;
 use rayon::prelude::*;
 use tyndall_core::{Aabb, Ray};
@@ -10,15 +10,18 @@ use wide::f32x8;
 #[derive(Clone, Debug)]
 pub struct Discs {
     bvh: Bvh,
+    /// A sphere around each block of a leaf: rounder than a box, a third fewer blocks are tested.
+    leaves: Vec<Block>,
     blocks: Vec<Block>,
     order: Vec<u32>,
 }
 
-/// Eight discs side by side; the missing ones have no radius.
+/// Eight spheres side by side; the missing ones have no radius.
 #[derive(Clone, Debug, Default)]
+#[repr(align(128))]
 struct Block {
     center: [f32x8; 3],
-    radius_squared: f32x8,
+    radius: f32x8,
 }
 
 impl Discs {
@@ -43,17 +46,27 @@ impl Discs {
             .map(|(&center, &radius)| around(center, radius))
             .collect();
         let (bvh, order) = Bvh::build(&bounds, quality)?;
+        let disc = |&i: &u32| (centers[i as usize], radii[i as usize]);
         let blocks = order
             .par_chunks(LANES)
+            .map(|slots| Block::new(slots.iter().map(disc)))
+            .collect();
+        let leaves = order
+            .par_chunks(LEAF)
             .map(|slots| {
                 Block::new(
                     slots
-                        .iter()
-                        .map(|&i| (centers[i as usize], radii[i as usize])),
+                        .chunks(LANES)
+                        .map(|block| sphere(block.iter().map(disc))),
                 )
             })
             .collect();
-        Ok(Self { bvh, blocks, order })
+        Ok(Self {
+            bvh,
+            leaves,
+            blocks,
+            order,
+        })
     }
 
     /// The index given to [`Discs::build`] of the disc in each slot.
@@ -68,19 +81,17 @@ impl Discs {
         let origin = ray.origin.to_array().map(f32x8::splat);
         let direction = ray.direction.to_array().map(f32x8::splat);
         let t_max = f32x8::splat(ray.t_max);
-        self.bvh.traverse(ray, |slots| {
-            let block = &self.blocks[slots.start / LANES];
+        let screen = |leaf: usize| self.leaves[leaf].touched(&origin, &direction, t_max);
+        let test = |block: &Block| {
             let (t, d2) = block.closest(&origin, &direction);
-            let hit =
-                d2.simd_lt(block.radius_squared) & t.simd_ge(f32x8::splat(0.0)) & t.simd_le(t_max);
-            let mut hit = hit.to_bitmask();
-            let (t, d2) = (t.to_array(), d2.to_array());
-            while hit != 0 {
-                let lane = hit.trailing_zeros() as usize & (LANES - 1);
-                hit &= hit - 1;
-                visit(slots.start + lane, t[lane], d2[lane]);
-            }
-        });
+            let within = t.simd_ge(f32x8::splat(0.0)) & t.simd_le(t_max);
+            let met = d2.simd_lt(block.radius * block.radius) & within;
+            (met.to_bitmask(), [t, d2])
+        };
+        self.bvh
+            .meet(ray, &self.blocks, screen, test, |slot, [t, d2]| {
+                visit(slot, t, d2)
+            });
     }
 
     /// Calls `visit(slot, d², t0, t1)` once for every sphere that the ray meets within
@@ -91,22 +102,21 @@ impl Discs {
         let origin = ray.origin.to_array().map(f32x8::splat);
         let direction = ray.direction.to_array().map(f32x8::splat);
         let t_max = f32x8::splat(ray.t_max);
-        self.bvh.traverse(ray, |slots| {
-            let block = &self.blocks[slots.start / LANES];
+        let zero = f32x8::splat(0.0);
+        let screen = |leaf: usize| self.leaves[leaf].touched(&origin, &direction, t_max);
+        let test = |block: &Block| {
             let (t, d2) = block.closest(&origin, &direction);
-            let half = (block.radius_squared - d2)
-                .fast_max(f32x8::splat(0.0))
-                .sqrt();
-            let start = (t - half).fast_max(f32x8::splat(0.0));
+            let r2 = block.radius * block.radius;
+            let half = (r2 - d2).fast_max(zero).sqrt();
+            let start = (t - half).fast_max(zero);
             let end = (t + half).fast_min(t_max);
-            let mut hit = (d2.simd_lt(block.radius_squared) & start.simd_lt(end)).to_bitmask();
-            let (d2, start, end) = (d2.to_array(), start.to_array(), end.to_array());
-            while hit != 0 {
-                let lane = hit.trailing_zeros() as usize & (LANES - 1);
-                hit &= hit - 1;
-                visit(slots.start + lane, d2[lane], start[lane], end[lane]);
-            }
-        });
+            let met = d2.simd_lt(r2) & start.simd_lt(end);
+            (met.to_bitmask(), [d2, start, end])
+        };
+        self.bvh
+            .meet(ray, &self.blocks, screen, test, |slot, [d2, start, end]| {
+                visit(slot, d2, start, end);
+            });
     }
 
     /// The centre of the disc in a slot.
@@ -114,9 +124,7 @@ impl Discs {
     /// # Panics
     /// There is no such slot.
     pub fn center(&self, slot: usize) -> Vec3 {
-        assert!(slot < self.len(), "slot {slot} of {}", self.len());
-        let block = &self.blocks[slot / LANES];
-        Vec3::from_array(block.center.map(|axis| axis.to_array()[slot % LANES]))
+        self.disc(slot).0
     }
 
     /// The radius of the disc in a slot.
@@ -124,8 +132,7 @@ impl Discs {
     /// # Panics
     /// There is no such slot.
     pub fn radius(&self, slot: usize) -> f32 {
-        assert!(slot < self.len(), "slot {slot} of {}", self.len());
-        self.blocks[slot / LANES].radius_squared.to_array()[slot % LANES].sqrt()
+        self.disc(slot).1
     }
 
     /// Discs, those of radius 0 included.
@@ -140,7 +147,10 @@ impl Discs {
 
     /// Bytes of nodes, discs and order.
     pub fn bytes(&self) -> usize {
-        self.bvh.bytes() + size_of_val(self.blocks.as_slice()) + size_of_val(self.order.as_slice())
+        self.bvh.bytes()
+            + size_of_val(self.leaves.as_slice())
+            + size_of_val(self.blocks.as_slice())
+            + size_of_val(self.order.as_slice())
     }
 
     /// As [`Bvh::validate`].
@@ -148,8 +158,20 @@ impl Discs {
     /// # Errors
     /// The first fault found.
     pub fn validate(&self) -> Result<(), Invalid> {
+        let outside = |&slot: &usize| {
+            let (middle, reach) = self.leaves[slot / LEAF].get(slot / LANES % LANES);
+            middle.distance(self.center(slot)) + self.radius(slot) > reach
+        };
+        if let Some(slot) = (0..self.len()).find(outside) {
+            return Err(Invalid::Sphere { slot });
+        }
         self.bvh
             .validate(|slot| around(self.center(slot), self.radius(slot)))
+    }
+
+    fn disc(&self, slot: usize) -> (Vec3, f32) {
+        assert!(slot < self.len(), "slot {slot} of {}", self.len());
+        self.blocks[slot / LANES].get(slot % LANES)
     }
 }
 
@@ -161,6 +183,18 @@ fn around(center: Vec3, radius: f32) -> Aabb {
     }
 }
 
+/// The sphere around spheres, about the middle of their centres.
+fn sphere(discs: impl Iterator<Item = (Vec3, f32)> + Clone) -> (Vec3, f32) {
+    let middle = Aabb::of_points(discs.clone().map(|(center, _)| center)).center();
+    let radius = discs
+        .map(|(center, radius)| center.distance(middle) + radius)
+        .fold(0.0, f32::max);
+    (middle, radius * (1.0 + ROUNDING))
+}
+
+/// Of distances to the ray, relative to how far along it they are.
+const ROUNDING: f32 = 1e-6;
+
 impl Block {
     fn new(discs: impl Iterator<Item = (Vec3, f32)>) -> Self {
         let mut block = Self::default();
@@ -168,9 +202,17 @@ impl Block {
             for (lanes, x) in block.center.iter_mut().zip(center.to_array()) {
                 lanes.as_mut_array()[lane] = x;
             }
-            block.radius_squared.as_mut_array()[lane] = radius * radius;
+            block.radius.as_mut_array()[lane] = radius;
         }
         block
+    }
+
+    fn get(&self, lane: usize) -> (Vec3, f32) {
+        let of_lane = |values: f32x8| values.as_array()[lane];
+        (
+            Vec3::from_array(self.center.map(of_lane)),
+            of_lane(self.radius),
+        )
     }
 
     /// Where the line passes the centres, and the squared distance there. From the difference and
@@ -182,5 +224,16 @@ impl Block {
         let t = x * dx + y * dy + z * dz;
         let [x, y, z] = [x - t * dx, y - t * dy, z - t * dz];
         (t, x * x + y * y + z * z)
+    }
+
+    /// A bit for each sphere that the ray touches.
+    #[inline]
+    fn touched(&self, origin: &[f32x8; 3], direction: &[f32x8; 3], t_max: f32x8) -> u32 {
+        let (t, d2) = self.closest(origin, direction);
+        let reach = self.radius + t.abs() * f32x8::splat(ROUNDING);
+        let met = d2.simd_lt(reach * reach)
+            & (t + reach).simd_ge(f32x8::splat(0.0))
+            & (t - reach).simd_le(t_max);
+        met.to_bitmask()
     }
 }

@@ -47,21 +47,19 @@ pub enum BuildError {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum Invalid {
-    /// A child is not a node behind its parent, or not a leaf.
-    #[error("node {node} refers to child {child}, which is no node behind it and no leaf")]
+    /// A child is no node behind its parent and no leaf, or has been met before.
+    #[error("node {node}: child {lane} does not exist, or has two parents")]
     Child {
         /// The node.
         node: usize,
-        /// What it refers to.
-        child: u32,
+        /// The child.
+        lane: usize,
     },
-    /// A leaf or a node is met another number of times than once.
-    #[error("{found} of {expected} nodes and leaves are met once")]
-    Met {
-        /// Nodes and leaves that are met, repetitions counted.
-        found: usize,
-        /// Nodes and leaves there are.
-        expected: usize,
+    /// Nodes or leaves have no parent.
+    #[error("{count} nodes or leaves have no parent")]
+    Unreachable {
+        /// How many.
+        count: usize,
     },
     /// A box does not hold what it should.
     #[error("node {node}: the box of child {lane} does not hold what is below it")]
@@ -70,5 +68,11 @@ pub enum Invalid {
         node: usize,
         /// The child.
         lane: usize,
+    },
+    /// A sphere of a leaf does not hold a disc.
+    #[error("slot {slot}: the sphere around its block does not hold the disc")]
+    Sphere {
+        /// The slot.
+        slot: usize,
     },
 }

@@ -9,6 +9,7 @@ mod builder;
 mod bvh;
 mod discs;
 mod error;
+mod meet;
 mod node;
 
 pub use builder::Quality;
@@ -16,7 +17,9 @@ pub use bvh::Bvh;
 pub use discs::Discs;
 pub use error::{BuildError, Invalid};
 
-/// Primitives of a leaf, and children of a node.
+/// Primitives of a block, blocks of a leaf, and children of a node.
 pub const LANES: usize = 8;
+/// Slots of a leaf: eight blocks of eight.
+pub const LEAF: usize = LANES * LANES;
 /// Largest coordinate and radius: squares of differences stay finite.
 const LIMIT: f32 = 1e18;

@@ -10,15 +10,26 @@ use wide::f32x8;
 pub(crate) enum Child {
     /// Another node, so many nodes behind this one: subtrees can be moved as a whole.
     Node(u32),
-    /// A block of slots.
-    Block(u32),
+    /// A leaf.
+    Leaf(u32),
 }
 
-/// Set in children that are blocks; there are no more than 2²⁹.
-const BLOCK: u32 = 1 << 31;
+impl Child {
+    /// The same child, seen from so many nodes before.
+    pub(crate) fn moved(self, by: usize) -> Self {
+        match self {
+            Self::Node(offset) => Self::Node(offset + by as u32),
+            leaf @ Self::Leaf(_) => leaf,
+        }
+    }
+}
+
+/// Set in children that are leaves; there are no more than 2²⁶.
+const LEAF: u32 = 1 << 31;
 
 /// Eight boxes side by side. Those of missing children hold nothing.
 #[derive(Clone, Debug)]
+#[repr(align(128))]
 pub(crate) struct Node {
     /// Smallest and largest corners: `planes[1][2]` are the largest z.
     planes: [[f32x8; 3]; 2],
@@ -31,7 +42,7 @@ impl Node {
             [f32x8::new([f32::INFINITY; LANES]); 3],
             [f32x8::new([f32::NEG_INFINITY; LANES]); 3],
         ],
-        children: [BLOCK; LANES],
+        children: [LEAF; LANES],
     };
 
     /// Sets a child and its box. The box grows by one unit in the last place: a ray in the plane
@@ -43,17 +54,17 @@ impl Node {
         }
         self.children[lane] = match child {
             Child::Node(offset) => offset,
-            Child::Block(block) => block | BLOCK,
+            Child::Leaf(leaf) => leaf | LEAF,
         };
     }
 
     #[inline]
     pub(crate) fn child(&self, lane: usize) -> Child {
         let child = self.children[lane & (LANES - 1)];
-        if child & BLOCK == 0 {
+        if child & LEAF == 0 {
             Child::Node(child)
         } else {
-            Child::Block(child & !BLOCK)
+            Child::Leaf(child & !LEAF)
         }
     }
 
@@ -66,6 +77,11 @@ impl Node {
             min: corner(0),
             max: corner(1),
         }
+    }
+
+    /// The box of all children.
+    pub(crate) fn whole(&self) -> Aabb {
+        (0..LANES).fold(Aabb::EMPTY, |all, lane| all.union(self.bounds(lane)))
     }
 
     /// A bit for every child whose box the ray meets.

@@ -53,13 +53,20 @@ impl Search {
                 shrink,
             } => {
                 photons.nearest(center, max_radius, accept, room);
-                let found = room.found();
-                let farthest = found.iter().map(|n| n.distance_squared).fold(0.0, f32::max);
-                let full = found.len() == count || max_radius == f32::INFINITY;
-                let radius = shrink * if full { farthest.sqrt() } else { max_radius };
-                for neighbour in found {
-                    if neighbour.distance_squared < radius * radius {
-                        visit(neighbour.slot as usize, neighbour.distance_squared, radius);
+                // The farthest is last. It is left out by its place, for its distance squared may
+                // round to either side of its radius squared.
+                let (radius, taken) = match room.found() {
+                    [nearer @ .., farthest]
+                        if nearer.len() + 1 == count || max_radius == f32::INFINITY =>
+                    {
+                        (farthest.distance_squared.sqrt(), nearer)
+                    }
+                    all => (max_radius, all),
+                };
+                let radius = shrink * radius;
+                for neighbour in taken {
+                    if shrink == 1.0 || neighbour.distance_squared < radius * radius {
+                        visit(neighbour.slot, neighbour.distance_squared, radius);
                     }
                 }
             }

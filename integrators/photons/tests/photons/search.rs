@@ -7,7 +7,7 @@ use tyndall_density::Kernel;
 use tyndall_kd_tree::{Photon, Photons};
 use tyndall_photons::Search;
 use tyndall_testkit::rng;
-use tyndall_testkit::stats::{Moments, check_means};
+use tyndall_testkit::stats::{Moments, check_mean, sidak};
 
 const KERNELS: [Kernel; 5] = [
     Kernel::Constant,
@@ -61,15 +61,21 @@ fn every_search_finds_the_density() {
         nearest(40, 0.44, 1.0),
         nearest(40, 0.42, 0.7),
     ];
-    for search in searches {
-        for kernel in KERNELS {
-            // For few photons the density is heavy-tailed: 1/r³ of the second nearest.
-            let found: Moments = (0..4000)
-                .map(|seed| density(&cube(800, seed), search, kernel))
-                .collect();
-            let cases = [("density", found.estimate(), 0.125)];
-            let each = FALSE_ALARM / 30.0;
-            check_means(&cases, each).unwrap_or_else(|why| panic!("{search:?} {kernel:?}: {why}"));
+    let cases = || {
+        searches
+            .into_iter()
+            .flat_map(|s| KERNELS.map(|kernel| (s, kernel)))
+    };
+    let mut found: Vec<_> = cases().map(|_| Moments::new()).collect();
+    for seed in 0..4000 {
+        let photons = cube(800, seed);
+        for ((search, kernel), moments) in cases().zip(&mut found) {
+            moments.push(density(&photons, search, kernel));
         }
+    }
+    for ((search, kernel), moments) in cases().zip(&found) {
+        let each = sidak(FALSE_ALARM, found.len());
+        check_mean("density", moments.estimate(), 0.125, each)
+            .unwrap_or_else(|why| panic!("{search:?} {kernel:?}: {why}"));
     }
 }

@@ -1,0 +1,148 @@
+//! What is gathered along a walk of sight.
+
+use crate::PhotonMap;
+use glam::Vec3;
+use std::marker::PhantomData;
+use tyndall_core::{
+    Anchor, Geometry, Media, Medium, MediumId, PhaseFunction, Sampler, Shading, Spectrum,
+};
+use tyndall_density::SurfacePoint;
+use tyndall_photons::{Gather, Light, PhotonMaps, Sight};
+use tyndall_walk::{DirectLight, Event, Segment, Site, Vertex, Walk};
+
+/// The photons of a pass, and how they are gathered.
+pub(crate) struct Gathering<'p, H: Geometry + Shading + Media, D> {
+    host: &'p H,
+    options: &'p PhotonMap<D>,
+    maps: &'p PhotonMaps<H::Spectrum>,
+    gather: Gather,
+    direct: PhantomData<D>,
+}
+
+impl<'p, H: Geometry + Shading + Media, D: DirectLight<H>> Gathering<'p, H, D> {
+    pub(crate) fn new(
+        host: &'p H,
+        options: &'p PhotonMap<D>,
+        maps: &'p PhotonMaps<H::Spectrum>,
+    ) -> Self {
+        Self {
+            host,
+            options,
+            maps,
+            gather: Gather::new(options.search(), options.kernel),
+            direct: PhantomData,
+        }
+    }
+
+    /// Radiance per scene unit that the medium at `position` scatters towards `wo`.
+    fn in_scattered(
+        &mut self,
+        medium: &H::Medium,
+        id: MediumId,
+        position: Vec3,
+        wo: Vec3,
+        sampler: &mut impl Sampler,
+    ) -> H::Spectrum {
+        let gathered = (self.gather).medium(&self.maps.volume, position, wo, medium, id);
+        if D::BY_PHOTONS {
+            return gathered.radiance;
+        }
+        let sigma_s = medium.coefficients(position).sigma_s;
+        if sigma_s.is_black() {
+            return gathered.radiance;
+        }
+        let phase = medium.phase(position);
+        let direct = D::scattered(
+            self.host,
+            &Anchor::Point(position),
+            position,
+            |_| id,
+            |wi| sigma_s * phase.eval(wo, wi),
+            sampler,
+        );
+        gathered.radiance + direct
+    }
+}
+
+impl<H: Geometry + Shading + Media, D: DirectLight<H>> Sight<H> for Gathering<'_, H, D> {
+    /// Marches; but of walks that were spread each flies to one collision, for there are many.
+    fn segment(
+        &mut self,
+        walk: &mut Walk<'_, H>,
+        segment: Segment<H>,
+        spread: bool,
+        sampler: &mut impl Sampler,
+    ) -> (H::Spectrum, Event<H>) {
+        if spread {
+            return (H::Spectrum::default(), walk.fly(segment, sampler));
+        }
+        let Some(medium) = self.host.medium(segment.medium) else {
+            return (H::Spectrum::default(), walk.transmit(segment, sampler));
+        };
+        let (ray, id) = (segment.ray, segment.medium);
+        let march = self.options.march;
+        let scattered = march.integrate(medium, &ray, walk.throughput, sampler, |t, sampler| {
+            self.in_scattered(medium, id, ray.at(t), -ray.direction, sampler)
+        });
+        (scattered, walk.transmit(segment, sampler))
+    }
+
+    /// What is scattered there per scene unit over σt, the density of collisions.
+    fn collision(&mut self, vertex: &Vertex<H>, sampler: &mut impl Sampler) -> H::Spectrum {
+        let (Site::Collision(coefficients), Some(medium)) =
+            (&vertex.site, self.host.medium(vertex.medium))
+        else {
+            return H::Spectrum::default();
+        };
+        let scattered =
+            self.in_scattered(medium, vertex.medium, vertex.position, vertex.wo, sampler);
+        // A channel that does not collide here carries nothing here.
+        let over = |scattered, sigma_t| {
+            if sigma_t > 0.0 {
+                scattered / sigma_t
+            } else {
+                0.0
+            }
+        };
+        scattered.zip(coefficients.sigma_t(), over)
+    }
+
+    fn surface(
+        &mut self,
+        vertex: &Vertex<H>,
+        point: &SurfacePoint<'_, H>,
+        light: Light,
+        sampler: &mut impl Sampler,
+    ) -> H::Spectrum {
+        let Site::Surface(hit) = &vertex.site else {
+            return H::Spectrum::default();
+        };
+        let caustic = self
+            .gather
+            .surface(&self.maps.caustic, point, true)
+            .radiance;
+        let direct = D::scattered(
+            self.host,
+            &vertex.anchor(),
+            vertex.position,
+            |wi| self.host.medium_across(hit, wi, vertex.medium),
+            |wi| point.scattered(wi),
+            sampler,
+        );
+        let unscattered = caustic + direct;
+        match light {
+            Light::Unscattered => unscattered,
+            Light::All => {
+                unscattered
+                    + self
+                        .gather
+                        .surface(&self.maps.diffuse, point, false)
+                        .radiance
+            }
+        }
+    }
+
+    fn final_gather(&self) -> u32 {
+        self.options.final_gather
+    }
+}
