@@ -48,8 +48,7 @@ shapes = [
 
 const EVEN: &str = r#"{ kind = "homogeneous", sigma_a = 0.02, sigma_s = 0.25 }"#;
 const FORWARD: &str = r#"{ kind = "homogeneous", sigma_a = 0.02, sigma_s = 0.25, phase = { kind = "henyey_greenstein", g = 0.4 } }"#;
-const CHROMATIC: &str =
-    r#"{ kind = "homogeneous", sigma_a = 0.02, sigma_s = [0.2, 0.25, 0.3] }"#;
+const CHROMATIC: &str = r#"{ kind = "homogeneous", sigma_a = 0.02, sigma_s = [0.2, 0.25, 0.3] }"#;
 
 fn method(photons: f64) -> BeamRadiance {
     let paths = (photons / PHOTONS_A_PATH) as u64;

@@ -144,7 +144,13 @@ fn main() {
                 };
                 let mut gather = Gather::new(search, Kernel::Epanechnikov);
                 let mut one = |i: usize| {
-                    march(&maps, &host, &rays[i].ray, (&mut gather, steps), &mut sampler)
+                    march(
+                        &maps,
+                        &host,
+                        &rays[i].ray,
+                        (&mut gather, steps),
+                        &mut sampler,
+                    )
                 };
                 sums.add(&mut one);
             }

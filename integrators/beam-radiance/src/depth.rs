@@ -84,8 +84,9 @@ impl<S: Spectrum> DepthTable<S> {
         self.depth.resize(S::CHANNELS, [0.0; 2]);
         (self.is_grey, self.error) = (true, 0.0);
         medium.majorants(ray, |stretch| self.stretch(medium, ray, stretch, max_error));
-        let end = self.knots.last().map_or(0.0, |knot| knot.t);
-        self.knot(end, S::default());
+        if self.knots.is_empty() {
+            self.knot(0.0, S::default());
+        }
         self.index();
         self.error as f32
     }
@@ -189,11 +190,10 @@ impl<S: Spectrum> DepthTable<S> {
     /// Adds a piece whose depth may be off by `error` of each channel.
     fn add(&mut self, piece: Piece<S>, error: impl Fn(usize) -> f64) {
         let [start, end] = piece.ends;
-        let inverse = 1.0 / (end - start);
-        self.knot(
-            start as f32,
-            S::from_channels(|i| (piece.depth(i) * inverse) as f32),
-        );
+        let mean = S::from_channels(|i| (piece.depth(i) / (end - start)) as f32);
+        // The end of the piece before, unless there is a gap between.
+        self.knots.pop_if(|before| before.t == start as f32);
+        self.knot(start as f32, mean);
         for i in 0..S::CHANNELS {
             let [depth, off] = &mut self.depth[i];
             let here = (-*depth).exp();
@@ -202,6 +202,7 @@ impl<S: Spectrum> DepthTable<S> {
             self.error = self.error.max(here * (*off + piece.bend(i) + rounding));
             *depth += piece.depth(i);
         }
+        self.knot(end as f32, S::default());
     }
 
     fn knot(&mut self, t: f32, sigma_t: S) {

@@ -50,7 +50,11 @@ fn a_constant_grid_is_a_homogeneous_medium() {
     let grid = GridMedium::new(grid, per_density(sigma_a, sigma_s), phase(-0.5));
     let grid = ball(grid.expect("a medium"));
     let even = ball(fog(sigma_a * 2.0, sigma_s * 2.0, -0.5));
-    let run = |seed| Run { passes: 100, samples: 2, seed };
+    let run = |seed| Run {
+        passes: 100,
+        samples: 2,
+        seed,
+    };
     let mut figures = Figures::default();
     for blur in [Blur::Disc, Blur::Ball] {
         let method = fixed(0.1).paths(2_000).blur(blur);
@@ -73,15 +77,37 @@ fn smoke_is_that_of_the_path_tracer() {
     let host = ball(smoke);
     let expected = measure_mean(&host, &Path::new(), 1_500, 7);
     let mut figures = Figures::default();
-    for (blur, transmittance) in [(Blur::Disc, TABLE), (Blur::Disc, FLIGHTS), (Blur::Ball, TABLE), (Blur::Ball, FLIGHTS)] {
-        let method = |r: f32| fixed(r).paths(10_000).blur(blur).transmittance(transmittance);
-        let run = |seed| Run { passes: 60, samples: 1, seed };
+    for (blur, transmittance) in [
+        (Blur::Disc, TABLE),
+        (Blur::Disc, FLIGHTS),
+        (Blur::Ball, TABLE),
+        (Blur::Ball, FLIGHTS),
+    ] {
+        let method = |r: f32| {
+            fixed(r)
+                .paths(10_000)
+                .blur(blur)
+                .transmittance(transmittance)
+        };
+        let run = |seed| Run {
+            passes: 60,
+            samples: 1,
+            seed,
+        };
         let small = run(1).measure(&host, &method(0.04));
         let large = run(2).measure(&host, &method(0.08));
         for c in 0..3 {
-            eprintln!("{blur:?} {transmittance:?} {c}: {:?} {:?} {:?}", small[c], large[c], expected[c]);
+            eprintln!(
+                "{blur:?} {transmittance:?} {c}: {:?} {:?} {:?}",
+                small[c], large[c], expected[c]
+            );
             let found = extrapolated(small[c], large[c], 2);
-            figures.same(format!("{blur:?} {transmittance:?} {c}"), expected[c], found, 0.02);
+            figures.same(
+                format!("{blur:?} {transmittance:?} {c}"),
+                expected[c],
+                found,
+                0.02,
+            );
         }
     }
     figures.check();

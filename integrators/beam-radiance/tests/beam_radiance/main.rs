@@ -10,11 +10,13 @@ mod transmittance;
 
 use std::sync::atomic::AtomicBool;
 use tyndall_beam_radiance::BeamRadiance;
-use tyndall_core::{Coefficients, Integrator, PassContext, Sampler, Sensor, Spectrum};
+use tyndall_core::{
+    Coefficients, HostTypes, Integrator, PassContext, Sampler, Sensor, SensorRay, Spectrum,
+};
 use tyndall_driver::PassStreams;
 use tyndall_media::{Homogeneous, Phase};
-use tyndall_testkit::rng;
 use tyndall_testkit::stats::{Estimate, Moments, check_means};
+use tyndall_testkit::{TestSampler, rng};
 
 const FALSE_ALARM: f64 = 1e-4;
 
@@ -48,26 +50,46 @@ impl Run {
         integrator: &I,
         pass: u64,
     ) -> Vec<H::Spectrum> {
+        let [width, height] = host.resolution();
+        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
+        self.pass(host, integrator, pass, |estimate, sampler| {
+            let pixel = |px| {
+                let sample = |_| {
+                    let ray = host.sensor_ray(px, sampler.next());
+                    estimate(&ray, sampler) * ray.weight
+                };
+                let sum: H::Spectrum = (0..self.samples).map(sample).sum();
+                sum / self.samples as f32
+            };
+            pixels.map(pixel).collect()
+        })
+    }
+
+    /// What `look` makes of one pass.
+    fn pass<H: Sensor, I: Integrator<H>, T>(
+        self,
+        host: &H,
+        integrator: &I,
+        pass: u64,
+        look: impl FnOnce(&Estimator<'_, H>, &mut TestSampler) -> T,
+    ) -> T {
         let (streams, running) = (PassStreams::new(self.seed, pass), AtomicBool::new(false));
         let cx = PassContext::new(pass, &streams, &running);
         let prepared = integrator.begin_pass(host, &cx, None).expect("a pass");
         let mut sampler = rng(self.seed << 32 | pass);
-        let [width, height] = host.resolution();
-        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
-        let estimate = |px| {
-            let sample = |_| {
-                let ray = host.sensor_ray(px, sampler.next());
-                let radiance =
-                    integrator.estimate(host, &prepared, &mut Default::default(), &ray, &mut sampler);
-                assert!(radiance.is_finite(), "{radiance:?} at {px:?}");
-                radiance * ray.weight
-            };
-            let sum: H::Spectrum = (0..self.samples).map(sample).sum();
-            sum / self.samples as f32
+        let estimate = |ray: &SensorRay<H::Spectrum>, sampler: &mut TestSampler| {
+            let radiance =
+                integrator.estimate(host, &prepared, &mut Default::default(), ray, sampler);
+            assert!(radiance.is_finite(), "{radiance:?} along {ray:?}");
+            radiance
         };
-        pixels.map(estimate).collect()
+        look(&estimate, &mut sampler)
     }
 }
+
+/// The radiance along a ray.
+type Estimator<'a, H> = dyn Fn(&SensorRay<<H as HostTypes>::Spectrum>, &mut TestSampler) -> <H as HostTypes>::Spectrum
+    + 'a;
 
 /// Radii that do not shrink: what is expected is known.
 fn fixed(radius: f32) -> BeamRadiance {
@@ -111,12 +133,17 @@ impl Figures {
         for found in [a, b].map(|e| e.relative_standard_error()) {
             assert!(found <= precision, "{name}: {found:.4} is too noisy");
         }
-        self.0.push((format!("{name}: {a:?} − {b:?}"), a.difference(&b), 0.0));
+        self.0
+            .push((format!("{name}: {a:?} − {b:?}"), a.difference(&b), 0.0));
     }
 
     #[track_caller]
     fn check(self) {
-        let cases: Vec<_> = self.0.iter().map(|(n, e, x)| (n.as_str(), *e, *x)).collect();
+        let cases: Vec<_> = self
+            .0
+            .iter()
+            .map(|(n, e, x)| (n.as_str(), *e, *x))
+            .collect();
         check_means(&cases, FALSE_ALARM).unwrap_or_else(|why| panic!("{why}"));
     }
 }

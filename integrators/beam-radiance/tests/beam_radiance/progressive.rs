@@ -25,9 +25,16 @@ fn radiance_does_not_depend_on_how_paths_are_cut_into_passes() {
     let host = AnalyticHost::sphere(medium, 1.0, Interface::Matched, light, view);
     let mut figures = Figures::default();
     for blur in [Blur::Disc, Blur::Ball] {
-        for method in [BeamRadiance::new().radius(0.3), BeamRadiance::new().nearest(60)] {
+        for method in [
+            BeamRadiance::new().radius(0.3),
+            BeamRadiance::new().nearest(60),
+        ] {
             let method = method.starting_paths(2_000).blur(blur);
-            let run = |seed, passes, samples| Run { passes, samples, seed };
+            let run = |seed, passes, samples| Run {
+                passes,
+                samples,
+                seed,
+            };
             let many = run(1, 320, 1).measure(&host, &method.paths(1_000));
             let few = run(2, 20, 16).measure(&host, &method.paths(16_000));
             figures.same(format!("{method:?}"), many[0], few[0], 0.01);
@@ -57,7 +64,11 @@ fn error(method: &BeamRadiance, passes: u64, runs: u64) -> f64 {
     });
     let mut squares = 0.0;
     for seed in 0..runs {
-        let run = Run { passes, samples: 1, seed: 1000 * passes + seed };
+        let run = Run {
+            passes,
+            samples: 1,
+            seed: 1000 * passes + seed,
+        };
         let mut sums = [0.0; HEIGHTS.len()];
         for pass in 0..passes {
             for (sum, value) in sums.iter_mut().zip(run.image(&host, method, pass)) {
@@ -73,7 +84,11 @@ fn error(method: &BeamRadiance, passes: u64, runs: u64) -> f64 {
 
 fn slope(blur: Blur, lengths: &[u64], runs: u64) -> f64 {
     // The radius is that of a hundredth of a pass: from the first on, it falls as a power.
-    let method = BeamRadiance::new().paths(400).starting_paths(4).blur(blur).radius(1.2);
+    let method = BeamRadiance::new()
+        .paths(400)
+        .starting_paths(4)
+        .blur(blur)
+        .radius(1.2);
     let points: Vec<_> = lengths
         .iter()
         .map(|&passes| (passes as f64, error(&method, passes, runs)))
