@@ -171,7 +171,9 @@ impl<S: Spectrum> DepthTable<S> {
             off <= 0.5 * max_error * (first + second + FLOOR)
                 && bend * (-depth).exp() <= 0.5 * max_error
         });
-        if fine || levels == 0 || self.knots.len() >= KNOTS {
+        let [from, half, to] = [start, middle, end].map(|t| t as f32);
+        let is_shortest = from == half || half == to;
+        if fine || is_shortest || levels == 0 || self.knots.len() >= KNOTS {
             for half in halves {
                 self.add(half, |i| {
                     let [first, second] = halves.map(|half| half.depth(i));
