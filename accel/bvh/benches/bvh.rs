@@ -1,129 +1,113 @@
+//! Discs of 30 nearest neighbours in a unit cube: builds by quality, and rays through them against
+//! the number of discs. `TYNDALL_BENCH_MAX=10000000` goes up to ten million; figures of one core
+//! need `RAYON_NUM_THREADS=1`.
+#![allow(missing_docs)] // of what criterion_group makes
+
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use glam::Vec3;
-#[derive(Clone, Copy)]
-struct Instant(f64);
-fn cpu() -> f64 {
-    std::fs::read_dir("/proc/self/task")
-        .unwrap()
-        .map(|d| {
-            std::fs::read_to_string(d.unwrap().path().join("schedstat"))
-                .unwrap()
-                .split(' ')
-                .next()
-                .unwrap()
-                .parse::<f64>()
-                .unwrap()
-        })
-        .sum::<f64>()
-        * 1e-9
+use std::hint::black_box;
+use std::time::Duration;
+use tyndall_bvh::{Discs, Quality};
+use tyndall_core::{Ray, Sampler};
+use tyndall_testkit::rng;
+
+const RAYS: u64 = 2000;
+
+/// Counts of discs.
+fn counts() -> impl Iterator<Item = usize> {
+    let max = std::env::var("TYNDALL_BENCH_MAX").ok();
+    let max = max.and_then(|max| max.parse().ok()).unwrap_or(1_000_000);
+    [10_000, 100_000, 500_000, 1_000_000, 10_000_000]
+        .into_iter()
+        .filter(move |&count| count <= max)
 }
-impl Instant {
-    fn now() -> Self {
-        Self(cpu())
-    }
-    fn elapsed(&self) -> std::time::Duration {
-        std::time::Duration::from_secs_f64(cpu() - self.0)
+
+/// Uniform centres, and the radius of a sphere that holds 30 of them.
+fn discs(count: usize) -> (Vec<Vec3>, Vec<f32>) {
+    let mut random = rng(1);
+    let centers = (0..count).map(|_| Vec3::from_array(random.next()));
+    let volume = 30.0 / count as f32;
+    let radius = (volume * 0.75 / std::f32::consts::PI).cbrt();
+    (centers.collect(), vec![radius; count])
+}
+
+/// Rays of neighbouring pixels, as an integrator sends them.
+fn camera() -> Vec<Ray> {
+    let eye = Vec3::new(0.5, 0.45, -1.2);
+    let pixel = |i: u64| {
+        Vec3::new(
+            0.1 + 0.02 * (i % 40) as f32,
+            0.1 + 0.016 * (i / 40) as f32,
+            0.0,
+        )
+    };
+    let ray = |i| Ray::new(eye, (pixel(i) - eye).normalize());
+    (0..RAYS).map(ray).collect()
+}
+
+/// Rays between random points of the cube: the worst for caches.
+fn scattered() -> Vec<Ray> {
+    let mut random = rng(2);
+    let ray = |_| {
+        let [from, to] = [(); 2].map(|()| Vec3::from_array(random.next()));
+        let direction = (to - from).normalize();
+        Ray::new(from - 2.0 * direction, direction)
+    };
+    (0..RAYS).map(ray).collect()
+}
+
+fn build(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("build");
+    for count in counts() {
+        let (centers, radii) = discs(count);
+        group.throughput(Throughput::Elements(count as u64));
+        for quality in [Quality::Fast, Quality::High] {
+            let id = BenchmarkId::new(format!("{quality:?}"), count);
+            group.bench_function(id, |b| {
+                b.iter(|| Discs::build(&centers, &radii, quality).expect("good discs"))
+            });
+        }
     }
 }
 
-use tyndall_bvh::*;
-use tyndall_core::*;
-use tyndall_testkit::rng;
-fn main() {
-    let n: usize = std::env::var("N")
-        .ok()
-        .map_or(500_000, |s| s.parse().unwrap());
-    let mut r = rng(1);
-    let mut p = || Vec3::from_array(r.next());
-    let centers: Vec<Vec3> = (0..n).map(|_| p()).collect();
-    let rad = (30.0 / (n as f32 * 4.18879)).cbrt();
-    let radii = vec![rad; n];
-    let random: Vec<Ray> = (0..20000)
-        .map(|_| {
-            let a = p();
-            let b = p();
-            let d = (b - a).normalize();
-            Ray::new(a - 2.0 * d, d)
-        })
-        .collect();
-    let eye = Vec3::new(0.5, 0.45, -1.2);
-    let camera: Vec<Ray> = (0..320 * 180 / 4)
-        .map(|i| {
-            let (x, y) = ((i % 160) as f32 / 160.0, (i / 160) as f32 / 90.0);
-            let d = (Vec3::new(0.1 + 0.8 * x, 0.1 + 0.8 * y, 0.0) - eye).normalize();
-            Ray::new(eye, d)
-        })
-        .collect();
-    let bounds: Vec<Aabb> = centers
-        .iter()
-        .map(|c| Aabb {
-            min: *c - rad,
-            max: *c + rad,
-        })
-        .collect();
-    if std::env::var("BUILD").is_ok() {
-        let mut best = f64::MAX;
-        for _ in 0..10 {
-            let t = Instant::now();
-            std::hint::black_box(Discs::build(&centers, &radii, Quality::Fast).unwrap());
-            best = best.min(t.elapsed().as_secs_f64());
-        }
-        println!("build random order {best}");
-        let d = Discs::build(&centers, &radii, Quality::Fast).unwrap();
-        let centers: Vec<Vec3> = d.order().iter().map(|i| centers[*i as usize]).collect();
-        let mut best = f64::MAX;
-        for _ in 0..10 {
-            let t = Instant::now();
-            std::hint::black_box(Discs::build(&centers, &radii, Quality::Fast).unwrap());
-            best = best.min(t.elapsed().as_secs_f64());
-        }
-        println!("build own order {best}");
-        return;
-    }
-    for q in [Quality::Fast, Quality::High] {
-        let t = Instant::now();
-        let d = Discs::build(&centers, &radii, q).unwrap();
-        println!(
-            "{q:?} build {:?} bytes/disc {}",
-            t.elapsed(),
-            d.bytes() as f32 / n as f32
-        );
-        let (b, _) = Bvh::build(&bounds, q).unwrap();
-        for rays in [&random, &camera] {
-            let rays = &rays[..4000.min(rays.len())];
-            let m = rays.len() as f64;
-            let (mut alone, mut all) = (f64::MAX, f64::MAX);
-            let (mut hits, mut blocks) = (0u64, 0usize);
-            for _ in 0..std::env::var("REPS").map_or(25, |s| s.parse().unwrap()) {
-                let t = Instant::now();
-                blocks = 0;
-                for ray in rays {
-                    b.traverse(ray, |r| {
-                        std::hint::black_box(&r);
-                        blocks += r.len()
-                    });
-                }
-                alone = alone.min(t.elapsed().as_secs_f64());
-                hits = 0;
-                let mut sum = 0.0f32;
-                let t = Instant::now();
-                for ray in rays {
-                    d.along(ray, |slot, t, d2| {
-                        hits += 1;
-                        sum += (1.0 - d2 * 1600.0) * t;
-                        let _ = slot;
-                    });
-                }
-                all = all.min(t.elapsed().as_secs_f64());
-                std::hint::black_box(sum);
+/// Sums a kernel over the discs of all rays; the throughput is that of discs met.
+fn rays(criterion: &mut Criterion) {
+    for (name, rays) in [("camera", camera()), ("scattered", scattered())] {
+        let mut group = criterion.benchmark_group(name);
+        for count in counts() {
+            let (centers, radii) = discs(count);
+            let discs = Discs::build(&centers, &radii, Quality::Fast).expect("good discs");
+            let kernel = 1.0 / radii[0].powi(2);
+            let mut met = 0;
+            for ray in &rays {
+                discs.along(ray, |_, _, _| met += 1);
             }
-            println!(
-                "  {:.1} blocks {:.1} hits; tree alone {:.2} us, along {:.2} us {:.2} ns/hit",
-                blocks as f64 / m / 64.0,
-                hits as f64 / m,
-                alone * 1e6 / m,
-                all * 1e6 / m,
-                all * 1e9 / hits as f64
-            );
+            group.throughput(Throughput::Elements(met));
+            group.bench_function(BenchmarkId::new("along", count), |b| {
+                b.iter(|| {
+                    let mut sum = 0.0;
+                    for ray in &rays {
+                        discs.along(ray, |_, _, d2| sum += 1.0 - d2 * kernel);
+                    }
+                    black_box(sum)
+                })
+            });
+            group.bench_function(BenchmarkId::new("chords", count), |b| {
+                b.iter(|| {
+                    let mut sum = 0.0;
+                    for ray in &rays {
+                        discs.chords(ray, |_, _, t0, t1| sum += t1 - t0);
+                    }
+                    black_box(sum)
+                })
+            });
         }
     }
 }
+
+criterion_group! {
+    name = benches;
+    config = Criterion::default().sample_size(10).warm_up_time(Duration::from_millis(300)).measurement_time(Duration::from_secs(1));
+    targets = build, rays
+}
+criterion_main!(benches);

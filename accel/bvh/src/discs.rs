@@ -16,8 +16,8 @@ pub struct Discs {
     order: Vec<u32>,
 }
 
-/// Eight spheres side by side; the missing ones have no radius.
-#[derive(Clone, Debug, Default)]
+/// Eight spheres side by side.
+#[derive(Clone, Debug)]
 #[repr(align(128))]
 struct Block {
     center: [f32x8; 3],
@@ -49,17 +49,12 @@ impl Discs {
         let disc = |&i: &u32| (centers[i as usize], radii[i as usize]);
         let blocks = order
             .par_chunks(LANES)
-            .map(|slots| Block::new(slots.iter().map(disc)))
+            .map(|slots| Block::new(slots.iter().map(disc), 0.0))
             .collect();
+        let around = |block: &[u32]| sphere(block.iter().map(disc));
         let leaves = order
             .par_chunks(LEAF)
-            .map(|slots| {
-                Block::new(
-                    slots
-                        .chunks(LANES)
-                        .map(|block| sphere(block.iter().map(disc))),
-                )
-            })
+            .map(|slots| Block::new(slots.chunks(LANES).map(around), f32::NEG_INFINITY))
             .collect();
         Ok(Self {
             bvh,
@@ -196,9 +191,12 @@ fn sphere(discs: impl Iterator<Item = (Vec3, f32)> + Clone) -> (Vec3, f32) {
 const ROUNDING: f32 = 1e-6;
 
 impl Block {
-    fn new(discs: impl Iterator<Item = (Vec3, f32)>) -> Self {
-        let mut block = Self::default();
-        for (lane, (center, radius)) in discs.enumerate() {
+    fn new(spheres: impl Iterator<Item = (Vec3, f32)>, missing: f32) -> Self {
+        let mut block = Self {
+            center: [f32x8::ZERO; 3],
+            radius: f32x8::splat(missing),
+        };
+        for (lane, (center, radius)) in spheres.enumerate() {
             for (lanes, x) in block.center.iter_mut().zip(center.to_array()) {
                 lanes.as_mut_array()[lane] = x;
             }
@@ -226,7 +224,7 @@ impl Block {
         (t, x * x + y * y + z * z)
     }
 
-    /// A bit for each sphere that the ray touches.
+    /// A bit for each sphere that the ray touches; none for a radius of −∞.
     #[inline]
     fn touched(&self, origin: &[f32x8; 3], direction: &[f32x8; 3], t_max: f32x8) -> u32 {
         let (t, d2) = self.closest(origin, direction);

@@ -1,8 +1,46 @@
 //! A bounding volume hierarchy for any bounded primitive met by rays, and photon discs on it.
 //!
+//! [`Discs`] answers the question of the beam radiance estimate: which photons' discs, turned to
+//! face a ray, does it pass through ([`Discs::along`]), or which spheres, and where does it enter
+//! and leave them ([`Discs::chords`])? Each is visited once, in no particular order.
+//!
+//! ```
+//! use glam::Vec3;
+//! use tyndall_bvh::{Discs, Quality};
+//! use tyndall_core::Ray;
+//! let discs = Discs::build(&[Vec3::ZERO, Vec3::X], &[0.5, 0.1], Quality::Fast)?;
+//! let ray = Ray::new(Vec3::new(0.3, 0.0, -2.0), Vec3::Z);
+//! let mut hits = Vec::new();
+//! discs.along(&ray, |slot, t, d2| hits.push((discs.order()[slot], t, d2)));
+//! assert_eq!(hits, [(0, 2.0, 0.3 * 0.3)]);
+//! discs.chords(&ray, |_, _, t0, t1| assert_eq!((t0, t1), (1.6, 2.4)));
+//! # Ok::<(), tyndall_bvh::BuildError>(())
+//! ```
+//!
+//! # Other primitives
 //! [`Bvh`] holds boxes only: it is built from the [`Aabb`](tyndall_core::Aabb) of every primitive,
-//! gives back an order, and shows a ray the ranges of slots of that order that it may meet. A kind
-//! of primitive is a block of [`LANES`] of them side by side, and its test. [`Discs`] is the first.
+//! gives back an order, and shows a ray the slots of that order that it may meet, by leaves of
+//! [`LEAF`]. A kind of primitive adds what is in the slots: blocks of [`LANES`] side by side, a
+//! screen that says which blocks of a leaf are worth a test, and the test ([`Bvh::meet`]).
+//!
+//! # Promised
+//! - Coordinates and radii up to 1e18, radii of 1e-18 or more besides 0; what is beyond 1e18 is an
+//!   error, what is smaller loses digits.
+//! - Distances from and along the ray are right to 1e-6 of the distance to its origin, wherever
+//!   the scene lies: a rim as near to the ray as that may be met or not. All else is exact, in
+//!   both qualities, for rays along axes and in faces too.
+//! - The same tree on any number of threads.
+//!
+//! # Cost
+//! Build: O(n log n), in parallel. A ray: what it meets, and its overlap with boxes besides; where
+//! radii are those of k neighbours, the discs met grow with the cube root of their number.
+//! Memory: 23 bytes a disc (16 the disc, 4 its order, the rest spheres and nodes).
+//!
+//! # References
+//! - Jarosz, Zwicker & Jensen 2008, "The beam radiance estimate for volumetric photon mapping".
+//! - Wald 2007, "On fast construction of SAH-based bounding volume hierarchies": bins.
+//! - Wald, Benthin & Boulos 2008, "Getting rid of packets": wide nodes.
+//! - Ize 2013, "Robust BVH ray traversal": rounding of distances to planes.
 #![forbid(unsafe_code)]
 
 mod builder;
@@ -16,6 +54,8 @@ pub use builder::Quality;
 pub use bvh::Bvh;
 pub use discs::Discs;
 pub use error::{BuildError, Invalid};
+/// Eight values side by side; blocks of other primitives are made of them.
+pub use wide::f32x8;
 
 /// Primitives of a block, blocks of a leaf, and children of a node.
 pub const LANES: usize = 8;

@@ -73,14 +73,14 @@ impl<const K: usize> Batch<K> {
     }
 
     /// Tests what waits and visits what is met.
-    #[inline(never)] // the registers of the traversal would be in its way
+    #[inline(always)] // or what `visit` sums would go through memory at every call
     fn run<B>(
         &mut self,
         blocks: &[B],
         test: &impl Fn(&B) -> (u32, [f32x8; K]),
         visit: &mut impl FnMut(usize, [f32; K]),
     ) {
-        let (mut met, mut base) = (0, 0);
+        let mut met = 0;
         let waiting = self.waiting.iter().zip(&mut self.blocks);
         for (i, (&waiting, block)) in waiting.take(self.waits).enumerate() {
             let (leaf, lane) = (waiting as usize / LANES, u32::from(waiting) % LANES as u32);
@@ -93,10 +93,9 @@ impl<const K: usize> Batch<K> {
             }
             let (lanes, count) = PACKED[mask as usize % PACKED.len()];
             if let Some(room) = self.met.get_mut(met..met + LANES) {
-                room.copy_from_slice(&(lanes + base).to_le_bytes());
+                room.copy_from_slice(&(lanes + i as u64 * ROW).to_le_bytes());
             }
             met += count;
-            base += ROW;
         }
         (self.open, self.waits) = (0, 0);
         for &met in &self.met[..met] {
