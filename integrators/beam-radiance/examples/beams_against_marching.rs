@@ -24,8 +24,8 @@ use tyndall_walk::ByPhotons;
 
 type Host = AnalyticHost<Homogeneous<f32>>;
 
-const PATHS: u64 = 100_000;
-const MAPS: u64 = 6;
+const PATHS: u64 = 30_000;
+const MAPS: u64 = 4;
 const SIGMA_T: f32 = 0.5;
 const SIGMA_S: f32 = SIGMA_T * 1e-4;
 /// Where rays start before the light, and where marching ends.
@@ -112,7 +112,7 @@ fn march(
 
 fn main() {
     let host = host();
-    let steps: Vec<u32> = (4..=12).map(|i| 1 << i).collect();
+    let steps: Vec<u32> = (4..=11).map(|i| 1 << i).collect();
     let mut marched = vec![[Sums::default(); 2]; steps.len()];
     let beams = [
         ("discs", BeamRadiance::new()),

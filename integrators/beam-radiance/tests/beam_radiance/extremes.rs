@@ -161,12 +161,12 @@ fn photons_behind_the_eye_and_beyond_the_end_are_not_seen() {
         );
         for blur in [Blur::Disc, Blur::Ball] {
             let run = Run {
-                passes: 300,
+                passes: 50,
                 samples: 1,
                 seed: 1,
             };
-            let mean = run.measure(&host, &fixed(0.25).blur(blur).paths(6_000))[0];
-            figures.add(format!("from {start}, {blur:?}"), mean, expected, 0.02);
+            let mean = run.measure(&host, &fixed(0.35).blur(blur).paths(6_000))[0];
+            figures.add(format!("from {start}, {blur:?}"), mean, expected, 0.05);
         }
     }
     figures.check();

@@ -25,9 +25,12 @@ fn per_density(sigma_a: Rgb, sigma_s: Rgb) -> Coefficients<Rgb> {
 }
 
 fn ball<M: Medium<Spectrum = Rgb>>(medium: M) -> AnalyticHost<M> {
-    let light = Light::Point {
-        position: Vec3::new(1.0, 1.5, -0.5),
-        power: Rgb::new(10.0, 20.0, 30.0),
+    let direction = Vec3::new(-0.3, -1.0, 0.4).normalize();
+    let light = Light::Beam {
+        center: -2.0 * direction,
+        direction,
+        radius: 0.7,
+        irradiance: Rgb::new(1.0, 2.0, 3.0),
     };
     let view = View::Pinhole {
         eye: Vec3::new(0.2, 0.1, -2.0),
@@ -62,7 +65,7 @@ fn a_constant_grid_is_a_homogeneous_medium() {
         for (seed, transmittance) in [(2, TABLE), (3, FLIGHTS)] {
             let found = run(seed).measure(&grid, &method.transmittance(transmittance));
             for (c, (a, b)) in expected.iter().zip(found).enumerate() {
-                figures.same(format!("{blur:?} {transmittance:?} {c}"), *a, b, 0.01);
+                figures.same(format!("{blur:?} {transmittance:?} {c}"), *a, b, 0.02);
             }
         }
     }
@@ -77,15 +80,10 @@ fn smoke_is_that_of_the_path_tracer() {
     let host = ball(smoke);
     let expected = measure_mean(&host, &Path::new(), 1_500, 7);
     let mut figures = Figures::default();
-    for (blur, transmittance) in [
-        (Blur::Disc, TABLE),
-        (Blur::Disc, FLIGHTS),
-        (Blur::Ball, TABLE),
-        (Blur::Ball, FLIGHTS),
-    ] {
+    for (blur, transmittance) in [(Blur::Disc, TABLE), (Blur::Ball, FLIGHTS)] {
         let method = |r: f32| {
             fixed(r)
-                .paths(10_000)
+                .paths(6_000)
                 .blur(blur)
                 .transmittance(transmittance)
         };
@@ -97,10 +95,6 @@ fn smoke_is_that_of_the_path_tracer() {
         let small = run(1).measure(&host, &method(0.04));
         let large = run(2).measure(&host, &method(0.08));
         for c in 0..3 {
-            eprintln!(
-                "{blur:?} {transmittance:?} {c}: {:?} {:?} {:?}",
-                small[c], large[c], expected[c]
-            );
             let found = extrapolated(small[c], large[c], 2);
             figures.same(
                 format!("{blur:?} {transmittance:?} {c}"),

@@ -24,21 +24,19 @@ fn radiance_does_not_depend_on_how_paths_are_cut_into_passes() {
     };
     let host = AnalyticHost::sphere(medium, 1.0, Interface::Matched, light, view);
     let mut figures = Figures::default();
-    for blur in [Blur::Disc, Blur::Ball] {
-        for method in [
-            BeamRadiance::new().radius(0.3),
-            BeamRadiance::new().nearest(60),
-        ] {
-            let method = method.starting_paths(2_000).blur(blur);
-            let run = |seed, passes, samples| Run {
-                passes,
-                samples,
-                seed,
-            };
-            let many = run(1, 320, 1).measure(&host, &method.paths(1_000));
-            let few = run(2, 20, 16).measure(&host, &method.paths(16_000));
-            figures.same(format!("{method:?}"), many[0], few[0], 0.01);
-        }
+    for method in [
+        BeamRadiance::new().radius(0.3),
+        BeamRadiance::new().nearest(20).blur(Blur::Ball),
+    ] {
+        let method = method.starting_paths(2_000);
+        let run = |seed, passes, samples| Run {
+            passes,
+            samples,
+            seed,
+        };
+        let many = run(1, 160, 1).measure(&host, &method.paths(1_000));
+        let few = run(2, 10, 16).measure(&host, &method.paths(16_000));
+        figures.same(format!("{method:?}"), many[0], few[0], 0.03);
     }
     figures.check();
 }
@@ -98,14 +96,14 @@ fn slope(blur: Blur, lengths: &[u64], runs: u64) -> f64 {
     fit.slope
 }
 
-/// Errors of the slope: that of an error of 48 × 4 figures is 1/√384 or 5 %, and up to twice that
-/// for rays that share photons; over five points in 4 e-foldings, 0.02.
+/// Of 16 × 4 figures, no more independent than the rays, an error is known to 10 % or so, and the
+/// slope over 2.8 e-foldings to 0.05.
 #[test]
 fn errors_fall_as_they_should() {
-    let discs = slope(Blur::Disc, &[2, 6, 20, 60], 40);
-    assert!((discs + 1.0 / 3.0).abs() < 0.1, "{discs}");
-    let balls = slope(Blur::Ball, &[2, 6, 20, 60], 40);
-    assert!((balls + 2.0 / 7.0).abs() < 0.1, "{balls}");
+    let discs = slope(Blur::Disc, &[2, 8, 32], 16);
+    assert!((discs + 1.0 / 3.0).abs() < 0.15, "{discs}");
+    let balls = slope(Blur::Ball, &[2, 8, 32], 16);
+    assert!((balls + 2.0 / 7.0).abs() < 0.15, "{balls}");
 }
 
 #[test]
