@@ -78,6 +78,7 @@ fn trace(host: &Scene<Rgb>, paths: u64) -> PhotonMaps<Rgb> {
 }
 
 /// Rays of the picture, row by row.
+#[allow(clippy::print_stdout)]
 fn gather(c: &mut Criterion, name: &str, host: &Scene<Rgb>, method: &BeamRadiance) {
     let pass = pass(host, method);
     let [volume, surfaces] = pass.photons();

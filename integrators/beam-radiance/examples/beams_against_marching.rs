@@ -12,7 +12,7 @@ use glam::Vec3;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 use tyndall_beam_radiance::{BeamRadiance, Blur};
-use tyndall_core::{Coefficients, Integrator, Medium, PassContext, Ray, Sampler, Sensor};
+use tyndall_core::{Coefficients, Integrator, PassContext, Ray, Sampler, Sensor};
 use tyndall_density::Kernel;
 use tyndall_driver::PassStreams;
 use tyndall_media::{Homogeneous, Phase};

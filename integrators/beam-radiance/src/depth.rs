@@ -209,7 +209,9 @@ impl<S: Spectrum> DepthTable<S> {
             let [depth, off] = &mut self.depth[i];
             let here = (-*depth).exp();
             *off += error(i);
-            let rounding = f64::from(f32::EPSILON) * (1.0 + *depth);
+            // Of depths, and of distances in `f32`.
+            let sigma_t = piece.depth(i) / (end - start);
+            let rounding = f64::from(f32::EPSILON) * (1.0 + *depth + sigma_t * end);
             self.error = self.error.max(here * (*off + piece.bend(i) + rounding));
             *depth += piece.depth(i);
         }

@@ -79,11 +79,11 @@ fn fine<M: Medium<Spectrum = Rgb>>(medium: &M, ray: &Ray, ends: &[f32]) -> Vec<[
     ends.iter().map(&mut at).collect()
 }
 
-/// The largest true error and the largest reported one, over many rays.
-fn errors<M: Medium<Spectrum = Rgb>>(medium: &M, max_error: f32) -> [f64; 2] {
+/// The largest error reported over many rays; none of the true ones is larger than that of its ray.
+fn errors<M: Medium<Spectrum = Rgb>>(medium: &M, max_error: f32) -> f64 {
     let mut table = DepthTable::default();
-    let mut errors = [0.0_f64; 2];
-    for ray in rays(60, 1) {
+    let mut largest = 0.0_f64;
+    for ray in rays(25, 1) {
         let reported = f64::from(table.measure(medium, &ray, max_error));
         let ends: Vec<f32> = (1..=41).map(|i| i as f32 * (3.0 / 41.0)).collect();
         for (&t, expected) in ends.iter().zip(fine(medium, &ray, &ends)) {
@@ -94,12 +94,11 @@ fn errors<M: Medium<Spectrum = Rgb>>(medium: &M, max_error: f32) -> [f64; 2] {
                     off <= reported + 2e-5,
                     "{off} at {t}, {reported} reported: {ray:?}"
                 );
-                errors[0] = errors[0].max(off);
             }
         }
-        errors[1] = errors[1].max(reported);
+        largest = largest.max(reported);
     }
-    errors
+    largest
 }
 
 #[test]
@@ -112,7 +111,7 @@ fn a_table_errs_no_more_than_it_says() {
             ("dense smoke", errors(&smoke(50.0), max_error)),
             ("noise", errors(&noise(), max_error)),
         ];
-        for (name, [_, reported]) in found {
+        for (name, reported) in found {
             assert!(
                 reported <= 1.05 * bound,
                 "{name} at {max_error}: {reported}"
