@@ -23,7 +23,8 @@ const FLOOR: f64 = 1.0 / 1024.0;
 /// For a transmittance off by no more than ε, a piece of depth Δτ may be off by ε/2·Δτ, and the
 /// depth between two knots by ε/(2 Tr): together |ΔTr| ≤ Tr·(ε/2·τ + ε/(2 Tr)) ≤ ε, for τ·e^−τ < 1.
 /// What is reported is the largest such sum of the estimates, where halving ended. Estimates are
-/// differences of two rules, doubled, since at kinks they may agree by chance. What lies
+/// differences of two rules, doubled, since at kinks they may agree by chance; and no less than ε/2
+/// is ever reported where anything was sampled, since below what was asked for they mean little. What lies
 /// between two samples and shows in none of them is not seen.
 ///
 /// Where all channels are beyond a depth of 87 the table ends: no `f32` sees farther.
@@ -89,6 +90,8 @@ impl<S: Spectrum> DepthTable<S> {
         medium.majorants(ray, |stretch| self.stretch(medium, ray, stretch, max_error));
         if self.knots.is_empty() {
             self.knot(0.0, S::default(), S::default());
+        } else {
+            self.error = self.error.max(0.5 * f64::from(max_error));
         }
         self.index();
         self.error as f32

@@ -42,7 +42,7 @@ pub enum Transmittance {
 }
 
 impl Default for Transmittance {
-    /// A table of error 1e-2, of which most rays make a tenth. In a plume of 64³ voxels, seen at 160
+    /// A table of error 1e-2. In a plume of 64³ voxels, seen at 160
     /// photons a ray, it takes 11 µs a ray; 16 flights take 3, for noise of 10 % in every ray,
     /// which is that of the photons once more.
     fn default() -> Self {

@@ -100,7 +100,7 @@ fn smoke_is_that_of_the_path_tracer() {
                 format!("{blur:?} {transmittance:?} {c}"),
                 expected[c],
                 found,
-                0.02,
+                0.06,
             );
         }
     }
