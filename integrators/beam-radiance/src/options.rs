@@ -14,15 +14,6 @@ pub enum Blur {
     Ball,
 }
 
-impl Blur {
-    pub(crate) fn dimension(self) -> Dimension {
-        match self {
-            Self::Disc => Dimension::Two,
-            Self::Ball => Dimension::Three,
-        }
-    }
-}
-
 /// How the transmittance from the sensor to the photons of a ray is found in media that are not the
 /// same everywhere. In those that are, it is a closed form.
 #[derive(Clone, Copy, Debug, PartialEq)]

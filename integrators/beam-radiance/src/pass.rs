@@ -33,12 +33,10 @@ impl<S: Spectrum> Pass<S> {
         first_path: u64,
     ) -> Result<Self, PassError> {
         let (paths, starting) = (config.emission.paths, config.starting_paths);
-        let scale = |dimension| {
-            let schedule = Schedule::new(shrinkage(dimension, config.alpha)?, starting);
-            let schedule = schedule.map_err(unsupported)?;
-            Ok(schedule.scale(first_path, paths))
-        };
-        let shrink = scale(Dimension::Two)?;
+        // Two dimensions for balls too: a ray meets r² photons, each for a chord of r/r³.
+        let shrinkage = shrinkage(Dimension::Two, config.alpha)?;
+        let schedule = Schedule::new(shrinkage, starting).map_err(unsupported)?;
+        let shrink = schedule.scale(first_path, paths);
         let search = match config.surfaces.fixed {
             Some(radius) => Search::Within(radius * shrink),
             None => Search::Nearest {
@@ -52,7 +50,7 @@ impl<S: Spectrum> Pass<S> {
             diffuse,
             volume,
         } = maps;
-        let radii = radii(config, &volume, scale(config.blur.dimension())?);
+        let radii = radii(config, &volume, shrink);
         Ok(Self {
             caustic,
             diffuse,

@@ -104,7 +104,7 @@ fn errors_fall_as_they_should() {
     let discs = slope(Blur::Disc, &[2, 8, 32], 16);
     assert!((discs + 1.0 / 3.0).abs() < 0.15, "{discs}");
     let balls = slope(Blur::Ball, &[2, 8, 32], 16);
-    assert!((balls + 2.0 / 7.0).abs() < 0.15, "{balls}");
+    assert!((balls + 1.0 / 3.0).abs() < 0.15, "{balls}");
 }
 
 #[test]
@@ -114,5 +114,5 @@ fn slopes_over_two_decades() {
     let discs = slope(Blur::Disc, &lengths, 60);
     assert!((discs + 1.0 / 3.0).abs() < 0.05, "{discs}");
     let balls = slope(Blur::Ball, &lengths, 60);
-    assert!((balls + 2.0 / 7.0).abs() < 0.05, "{balls}");
+    assert!((balls + 1.0 / 3.0).abs() < 0.05, "{balls}");
 }
