@@ -39,11 +39,11 @@
 //! - The same tree on any number of threads.
 //!
 //! # Cost
-//! Build: O(n log n). Subtrees grow in parallel; partitions of the few parts of the top levels are
-//! serial, so that the first passes over all primitives bound the gain. A ray: what it meets, and
-//! its overlap with boxes besides; where radii are those of k neighbours, the discs met grow with
-//! the cube root of their number. Memory: 23 bytes a disc, 24 in [`Quality::High`] (16 the disc, 4
-//! its order, the rest spheres and nodes).
+//! Build: O(n log n). Subtrees grow in parallel, but the partitions of the top levels are serial:
+//! the first passes over all primitives bound what threads gain. A ray: what it meets, and its
+//! overlap with boxes besides; where radii are those of k neighbours, the discs met grow with the
+//! cube root of their number. Memory: 23 bytes a disc, 24 in [`Quality::High`] (16 the disc, 4 its
+//! order, the rest spheres and nodes).
 //!
 //! # References
 //! - Jarosz, Zwicker & Jensen 2008, "The beam radiance estimate for volumetric photon mapping".
@@ -72,8 +72,7 @@ pub use wide::f32x8;
 pub const LANES: usize = 8;
 /// Slots of a leaf: eight blocks of eight.
 pub const LEAF: usize = LANES * LANES;
-/// Largest coordinate and radius: squares of differences stay finite, those of boxes around spheres
-/// too.
+/// Largest coordinate and radius: squares of differences stay finite, in boxes around spheres too.
 const LIMIT: f32 = 1e18;
 
 /// Whether coordinates are numbers up to [`LIMIT`].
