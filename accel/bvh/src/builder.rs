@@ -4,8 +4,7 @@ mod cost;
 mod split;
 
 use crate::node::{Child, Node};
-use crate::{BuildError, LEAF, LIMIT};
-use glam::Vec3;
+use crate::{BuildError, LEAF};
 use rayon::prelude::*;
 use split::{by_cost, evenly, into_blocks};
 use tyndall_core::Aabb;
@@ -38,42 +37,15 @@ const LEVELS_BY_COST: usize = 20;
 /// Evenly, 2³² slots are 8⁹ leaves and a little.
 pub(crate) const MAX_DEPTH: usize = LEVELS_BY_COST + 10;
 
-/// Nodes, the root first, and the primitive of each slot.
+/// Nodes, the root first, and the primitive of each slot. Boxes are finite and hold something.
 pub(crate) fn build(
     bounds: &[Aabb],
     quality: Quality,
 ) -> Result<(Vec<Node>, Vec<u32>), BuildError> {
-    let mut items = check(bounds)?;
-    let mut nodes = Vec::new();
-    if !items.is_empty() {
-        Builder { bounds, quality }.grow(&mut items, 0, 0, &mut nodes);
-    }
-    nodes.shrink_to_fit();
-    let order = items.par_iter().map(|item| item.index).collect();
-    Ok((nodes, order))
-}
-
-fn check(bounds: &[Aabb]) -> Result<Vec<Item>, BuildError> {
     if bounds.len() > u32::MAX as usize {
         return Err(BuildError::TooMany {
             count: bounds.len(),
         });
-    }
-    let within = |v: Vec3| v.abs().cmple(Vec3::splat(LIMIT)).all();
-    let fault = |(index, bounds): (usize, &Aabb)| {
-        if bounds.min.is_nan() || bounds.max.is_nan() {
-            Some(BuildError::NotFinite { index })
-        } else if bounds.is_empty() {
-            Some(BuildError::Empty { index })
-        } else if !(within(bounds.min) && within(bounds.max)) {
-            Some(BuildError::NotFinite { index })
-        } else {
-            None
-        }
-    };
-    let faults = bounds.par_iter().enumerate();
-    if let Some(fault) = faults.find_map_first(fault) {
-        return Err(fault);
     }
     let item = |(index, bounds): (usize, &Aabb)| {
         let [x, y, z] = (bounds.min + bounds.max).to_array();
@@ -82,7 +54,14 @@ fn check(bounds: &[Aabb]) -> Result<Vec<Item>, BuildError> {
             index: index as u32,
         }
     };
-    Ok(bounds.par_iter().enumerate().map(item).collect())
+    let mut items: Vec<_> = bounds.par_iter().enumerate().map(item).collect();
+    let mut nodes = Vec::new();
+    if !items.is_empty() {
+        Builder { bounds, quality }.grow(&mut items, 0, 0, &mut nodes);
+    }
+    nodes.shrink_to_fit();
+    let order = items.par_iter().map(|item| item.index).collect();
+    Ok((nodes, order))
 }
 
 struct Builder<'a> {

@@ -2,7 +2,8 @@
 
 use crate::builder::{self, MAX_DEPTH};
 use crate::node::{Child, Node, Slabs};
-use crate::{BuildError, Invalid, LANES, LEAF, Quality};
+use crate::{BrokenTree, BuildError, LANES, LEAF, Quality, is_within};
+use rayon::prelude::*;
 use std::ops::Range;
 use tyndall_core::{Aabb, Ray};
 
@@ -22,6 +23,25 @@ impl Bvh {
     /// # Errors
     /// A box is empty, not finite or beyond 1e18, or there are more than `u32::MAX`.
     pub fn build(bounds: &[Aabb], quality: Quality) -> Result<(Self, Vec<u32>), BuildError> {
+        let fault = |(index, bounds): (usize, &Aabb)| {
+            if bounds.min.is_nan() || bounds.max.is_nan() {
+                Some(BuildError::NotFinite { index })
+            } else if bounds.is_empty() {
+                Some(BuildError::Empty { index })
+            } else if !(is_within(bounds.min) && is_within(bounds.max)) {
+                Some(BuildError::NotFinite { index })
+            } else {
+                None
+            }
+        };
+        match bounds.par_iter().enumerate().find_map_first(fault) {
+            Some(fault) => Err(fault),
+            None => Self::over(bounds, quality),
+        }
+    }
+
+    /// As [`Bvh::build`], over boxes known to be good.
+    pub(crate) fn over(bounds: &[Aabb], quality: Quality) -> Result<(Self, Vec<u32>), BuildError> {
         let (nodes, order) = builder::build(bounds, quality)?;
         let slots = order.len();
         Ok((Self { nodes, slots }, order))
@@ -79,7 +99,7 @@ impl Bvh {
     ///
     /// # Errors
     /// The first fault found.
-    pub fn validate(&self, bounds: impl Fn(usize) -> Aabb) -> Result<(), Invalid> {
+    pub fn validate(&self, bounds: impl Fn(usize) -> Aabb) -> Result<(), BrokenTree> {
         let mut nodes = vec![false; self.nodes.len()];
         let mut leaves = vec![false; self.slots.div_ceil(LEAF)];
         if let Some(root) = nodes.first_mut() {
@@ -105,16 +125,16 @@ impl Bvh {
                 };
                 match met {
                     Some(met) if !*met => *met = true,
-                    _ => return Err(Invalid::Child { node: index, lane }),
+                    _ => return Err(BrokenTree::Child { node: index, lane }),
                 }
                 if below.is_empty() || above.union(below) != above {
-                    return Err(Invalid::Outside { node: index, lane });
+                    return Err(BrokenTree::Outside { node: index, lane });
                 }
             }
         }
         match nodes.iter().chain(&leaves).filter(|met| !**met).count() {
             0 => Ok(()),
-            count => Err(Invalid::Unreachable { count }),
+            count => Err(BrokenTree::Unreachable { count }),
         }
     }
 }
@@ -145,13 +165,13 @@ mod tests {
         };
         let [node, lane] = [0, 1];
         let (above, child) = (tree.nodes[0].bounds(1), tree.nodes[0].child(1));
-        let outside = Err(Invalid::Outside { node, lane });
+        let outside = Err(BrokenTree::Outside { node, lane });
         assert_eq!(broken(1, unit(500), child), outside);
         let first = tree.nodes[0].child(0);
         let everything = tree.nodes[0].whole();
-        let twice = Err(Invalid::Child { node: 0, lane: 1 });
+        let twice = Err(BrokenTree::Child { node: 0, lane: 1 });
         assert_eq!(
-            broken(1, everything, first).map_err(|e| matches!(e, Invalid::Child { .. })),
+            broken(1, everything, first).map_err(|e| matches!(e, BrokenTree::Child { .. })),
             Err(true)
         );
         assert_eq!(broken(1, above, Child::Node(1 << 20)), twice);
@@ -159,10 +179,13 @@ mod tests {
         assert_eq!(broken(1, everything, Child::Node(0)), twice);
         let unreachable = broken(1, Aabb::EMPTY, child);
         assert!(
-            matches!(unreachable, Err(Invalid::Unreachable { .. })),
+            matches!(unreachable, Err(BrokenTree::Unreachable { .. })),
             "{unreachable:?}"
         );
         let wrong = tree.validate(|slot| unit(order[slot] as usize + 1));
-        assert!(matches!(wrong, Err(Invalid::Outside { .. })), "{wrong:?}");
+        assert!(
+            matches!(wrong, Err(BrokenTree::Outside { .. })),
+            "{wrong:?}"
+        );
     }
 }

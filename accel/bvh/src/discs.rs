@@ -1,6 +1,6 @@
 //! Photon discs that face the ray, and the spheres around them.
 
-use crate::{BuildError, Bvh, Invalid, LANES, LEAF, LIMIT, Quality};
+use crate::{BrokenTree, BuildError, Bvh, LANES, LEAF, LIMIT, Quality, is_within};
 use glam::Vec3;
 use rayon::prelude::*;
 use tyndall_core::{Aabb, Ray};
@@ -37,6 +37,9 @@ impl Discs {
                 radii: radii.len(),
             });
         }
+        if let Some(index) = centers.iter().position(|&center| !is_within(center)) {
+            return Err(BuildError::NotFinite { index });
+        }
         if let Some(index) = radii.iter().position(|r| !(0.0..=LIMIT).contains(r)) {
             return Err(BuildError::Radius { index });
         }
@@ -45,16 +48,16 @@ impl Discs {
             .zip(radii)
             .map(|(&center, &radius)| around(center, radius))
             .collect();
-        let (bvh, order) = Bvh::build(&bounds, quality)?;
+        let (bvh, order) = Bvh::over(&bounds, quality)?;
         let disc = |&i: &u32| (centers[i as usize], radii[i as usize]);
         let blocks = order
             .par_chunks(LANES)
             .map(|slots| Block::new(slots.iter().map(disc), 0.0))
             .collect();
-        let around = |block: &[u32]| sphere(block.iter().map(disc));
+        let screen = |block: &[u32]| sphere(block.iter().map(disc));
         let leaves = order
             .par_chunks(LEAF)
-            .map(|slots| Block::new(slots.chunks(LANES).map(around), f32::NEG_INFINITY))
+            .map(|slots| Block::new(slots.chunks(LANES).map(screen), f32::NEG_INFINITY))
             .collect();
         Ok(Self {
             bvh,
@@ -83,35 +86,32 @@ impl Discs {
             let met = d2.simd_lt(block.radius * block.radius) & within;
             (met.to_bitmask(), [t, d2])
         };
-        self.bvh
-            .meet(ray, &self.blocks, screen, test, |slot, [t, d2]| {
-                visit(slot, t, d2)
-            });
+        let visit = |slot, [t, d2]: [f32; 2]| visit(slot, t, d2);
+        self.bvh.meet(ray, &self.blocks, screen, test, visit);
     }
 
-    /// Calls `visit(slot, d², t0, t1)` once for every sphere that the ray meets within
-    /// `[0, t_max]`: the squared distance of its centre from the line of the ray, and the ends of
-    /// the chord, cut to that range.
+    /// Calls `visit(slot, t, d²)` once for every sphere that the ray is inside of for some part of
+    /// `[0, t_max]`: the distance `t`, negative or beyond `t_max` too, at which its line passes
+    /// the centre, and the squared distance d² < r² there.
+    ///
+    /// The chord h = √(r² − d²) to both sides of `t` is as long as min(h, t) + min(h, `t_max` − t)
+    /// in that range; the difference of its ends would lose spheres small against `t`.
     #[inline]
-    pub fn chords(&self, ray: &Ray, mut visit: impl FnMut(usize, f32, f32, f32)) {
+    pub fn chords(&self, ray: &Ray, mut visit: impl FnMut(usize, f32, f32)) {
         let origin = ray.origin.to_array().map(f32x8::splat);
         let direction = ray.direction.to_array().map(f32x8::splat);
         let t_max = f32x8::splat(ray.t_max);
-        let zero = f32x8::splat(0.0);
         let screen = |leaf: usize| self.leaves[leaf].touched(&origin, &direction, t_max);
         let test = |block: &Block| {
             let (t, d2) = block.closest(&origin, &direction);
             let r2 = block.radius * block.radius;
-            let half = (r2 - d2).fast_max(zero).sqrt();
-            let start = (t - half).fast_max(zero);
-            let end = (t + half).fast_min(t_max);
-            let met = d2.simd_lt(r2) & start.simd_lt(end);
-            (met.to_bitmask(), [d2, start, end])
+            let half = (r2 - d2).sqrt(); // NaN outside
+            let length = half.fast_min(t) + half.fast_min(t_max - t);
+            let met = d2.simd_lt(r2) & length.simd_gt(f32x8::splat(0.0));
+            (met.to_bitmask(), [t, d2])
         };
-        self.bvh
-            .meet(ray, &self.blocks, screen, test, |slot, [d2, start, end]| {
-                visit(slot, d2, start, end);
-            });
+        let visit = |slot, [t, d2]: [f32; 2]| visit(slot, t, d2);
+        self.bvh.meet(ray, &self.blocks, screen, test, visit);
     }
 
     /// The centre of the disc in a slot.
@@ -152,13 +152,13 @@ impl Discs {
     ///
     /// # Errors
     /// The first fault found.
-    pub fn validate(&self) -> Result<(), Invalid> {
+    pub fn validate(&self) -> Result<(), BrokenTree> {
         let outside = |&slot: &usize| {
             let (middle, reach) = self.leaves[slot / LEAF].get(slot / LANES % LANES);
             middle.distance(self.center(slot)) + self.radius(slot) > reach
         };
         if let Some(slot) = (0..self.len()).find(outside) {
-            return Err(Invalid::Sphere { slot });
+            return Err(BrokenTree::Sphere { slot });
         }
         self.bvh
             .validate(|slot| around(self.center(slot), self.radius(slot)))
@@ -187,7 +187,7 @@ fn sphere(discs: impl Iterator<Item = (Vec3, f32)> + Clone) -> (Vec3, f32) {
     (middle, radius * (1.0 + ROUNDING))
 }
 
-/// Of distances to the ray, relative to how far along it they are.
+/// Of distances to the ray, relative to how far along it they are: 16u, as the crate doc counts.
 const ROUNDING: f32 = 1e-6;
 
 impl Block {

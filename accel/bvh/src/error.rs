@@ -6,8 +6,8 @@ use thiserror::Error;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum BuildError {
-    /// A coordinate is NaN, infinite or beyond 1e18.
-    #[error("primitive {index}: its place is not finite or beyond 1e18; correct it")]
+    /// A coordinate, of a box or a centre, is NaN, infinite or beyond ±1e18.
+    #[error("primitive {index}: a coordinate is not finite or beyond 1e18; correct it")]
     NotFinite {
         /// The primitive.
         index: usize,
@@ -46,7 +46,7 @@ pub enum BuildError {
 /// How a tree is broken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
-pub enum Invalid {
+pub enum BrokenTree {
     /// A child is no node behind its parent and no leaf, or has been met before.
     #[error("node {node}: child {lane} does not exist, or has two parents")]
     Child {

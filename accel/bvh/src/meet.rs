@@ -9,10 +9,20 @@ use wide::f32x8;
 const BATCH: usize = 32;
 
 impl Bvh {
-    /// Calls `visit(slot, values)` once for every primitive that the ray meets. `blocks[i]` holds
-    /// the primitives of slots `8i` to `8i + 7`. Of the leaf of slots `64i` to `64i + 63`,
-    /// `screen(i)` gives a bit for each block that the ray may meet; `test` gives a bit for each
-    /// primitive of a block that it does meet, and the values of the eight.
+    /// Calls `visit(slot, values)` once for every primitive that the ray meets.
+    ///
+    /// `blocks[i]` holds the primitives of slots `8i` to `8i + 7`, in the order that
+    /// [`Bvh::build`] gave. Of the leaf of slots `64i` to `64i + 63`, `screen(i)` gives a bit for
+    /// each block that the ray may meet, block `8i` the lowest; `test` gives a bit for each
+    /// primitive of a block that it does meet, and the values of the eight. Higher bits than the
+    /// lowest eight are ignored.
+    ///
+    /// The last block may be padded: `test` must give no bit for what is in no slot, or `visit` is
+    /// called with slots from [`Bvh::len`] on. The last leaf may have fewer than eight blocks:
+    /// `screen` must give no bit for those absent.
+    ///
+    /// # Panics
+    /// `screen` gave a bit for a block that is not in `blocks`.
     #[inline]
     pub fn meet<B, const K: usize>(
         &self,
@@ -66,7 +76,7 @@ impl<const K: usize> Batch<K> {
     fn push(&mut self, leaf: usize, mask: u32) {
         let (lanes, count) = PACKED[mask as usize % PACKED.len()];
         self.leaves[self.open] = (leaf * LANES) as u32;
-        self.waiting[self.waits..self.waits + LANES]
+        self.waiting[self.waits..][..LANES]
             .copy_from_slice(&(lanes + self.open as u64 * ROW).to_le_bytes());
         self.open += usize::from(count > 0);
         self.waits += count;
@@ -87,14 +97,10 @@ impl<const K: usize> Batch<K> {
             *block = self.leaves[leaf] + lane;
             let (mask, values) = test(&blocks[*block as usize]);
             for (all, of_block) in self.values.iter_mut().zip(values) {
-                if let Some(room) = all.get_mut(i * LANES..i * LANES + LANES) {
-                    room.copy_from_slice(of_block.as_array());
-                }
+                all[i * LANES..][..LANES].copy_from_slice(of_block.as_array());
             }
             let (lanes, count) = PACKED[mask as usize % PACKED.len()];
-            if let Some(room) = self.met.get_mut(met..met + LANES) {
-                room.copy_from_slice(&(lanes + i as u64 * ROW).to_le_bytes());
-            }
+            self.met[met..][..LANES].copy_from_slice(&(lanes + i as u64 * ROW).to_le_bytes());
             met += count;
         }
         (self.open, self.waits) = (0, 0);

@@ -25,7 +25,7 @@ impl Child {
 }
 
 /// Set in children that are leaves; there are no more than 2²⁶.
-const LEAF: u32 = 1 << 31;
+const LEAF_BIT: u32 = 1 << 31;
 
 /// Eight boxes side by side. Those of missing children hold nothing.
 #[derive(Clone, Debug)]
@@ -42,7 +42,7 @@ impl Node {
             [f32x8::new([f32::INFINITY; LANES]); 3],
             [f32x8::new([f32::NEG_INFINITY; LANES]); 3],
         ],
-        children: [LEAF; LANES],
+        children: [LEAF_BIT; LANES],
     };
 
     /// Sets a child and its box. The box grows by one unit in the last place: a ray in the plane
@@ -54,17 +54,17 @@ impl Node {
         }
         self.children[lane] = match child {
             Child::Node(offset) => offset,
-            Child::Leaf(leaf) => leaf | LEAF,
+            Child::Leaf(leaf) => leaf | LEAF_BIT,
         };
     }
 
     #[inline]
     pub(crate) fn child(&self, lane: usize) -> Child {
         let child = self.children[lane & (LANES - 1)];
-        if child & LEAF == 0 {
+        if child & LEAF_BIT == 0 {
             Child::Node(child)
         } else {
-            Child::Leaf(child & !LEAF)
+            Child::Leaf(child & !LEAF_BIT)
         }
     }
 
@@ -95,12 +95,13 @@ impl Node {
             near = near.fast_max((*entry - ray.origin[axis]) * ray.inverse[axis]);
             far = far.fast_min((*exit - ray.origin[axis]) * ray.inverse[axis]);
         }
-        near.simd_le((far * f32x8::splat(ROUNDING)).fast_min(ray.t_max))
-            .to_bitmask()
+        let end = far.fast_min(ray.t_max) * f32x8::splat(ROUNDING);
+        near.simd_le(end).to_bitmask()
     }
 }
 
-/// Of the three operations of a distance, twice: 1 + 2γ₃ (Ize 2013, "Robust BVH ray traversal").
+/// Of the three operations of a distance, twice: 1 + 2γ₃ (Ize 2013, "Robust BVH ray traversal"). The
+/// end of the ray has it as well: a box may begin there.
 const ROUNDING: f32 = 1.0 + 4e-7;
 
 /// A ray, prepared for [`Node::meets`].

@@ -33,7 +33,10 @@ impl Bins {
                 || (Vec4::INFINITY, Vec4::NEG_INFINITY),
                 |a, b| (a.0.min(b.0), a.1.max(b.1)),
             );
-        let scale = BINS as f32 / (max - min).max(Vec4::splat(f32::MIN_POSITIVE));
+        // Along an axis where keys are all the same, all are in one bin, and there is no plane.
+        let range = max - min;
+        let differ = range.cmpgt(Vec4::splat(BINS as f32 / f32::MAX));
+        let scale = Vec4::select(differ, BINS as f32 / range, Vec4::ZERO);
         let fill = |mut bins: Self, item: &Item| {
             let bounds = bounds[item.index as usize];
             let place = ((keys(item) - min) * scale).to_array();

@@ -76,8 +76,11 @@ pub(super) fn by_cost(items: &mut [Item], bounds: &[Aabb]) -> Parts {
     (ends[0], areas[0]) = (items.len(), f64::INFINITY);
     let mut count = 1;
     while count < LANES {
-        let largest = (0..count).fold(0, |a, b| if areas[b] > areas[a] { b } else { a });
-        let start = if largest == 0 { 0 } else { ends[largest - 1] };
+        let start = |part: usize| if part == 0 { 0 } else { ends[part - 1] };
+        // The larger number where areas are the same: points in a row have none.
+        let rank = |part| (areas[part], ends[part] - start(part));
+        let largest = (0..count).fold(0, |a, b| if rank(b) > rank(a) { b } else { a });
+        let start = start(largest);
         let part = &mut items[start..ends[largest]];
         if part.len() <= LEAF {
             break;
@@ -101,27 +104,51 @@ pub(super) fn by_cost(items: &mut [Item], bounds: &[Aabb]) -> Parts {
 }
 
 /// Where to split: the axis, how many items are on the left, and the areas of both sides. The
-/// count is rounded to full leaves, so that the areas are those of the plane nearby.
+/// count is rounded to full leaves, so that the areas are those of the plane nearby. Of planes that
+/// cost the same, the one nearest to the middle.
 fn cheapest(items: &[Item], bounds: &[Aabb]) -> (usize, usize, [f64; 2]) {
     let bins = Bins::of(items, bounds);
     let leaves = items.len().div_ceil(LEAF);
-    let round = |count: usize| ((count + LEAF / 2) / LEAF).clamp(1, leaves - 1);
-    let mut best = f64::INFINITY;
-    let whole = bins.whole();
-    let mut found = (
-        spread(items).max_position(),
-        round(items.len() / 2) * LEAF,
-        [area(whole); 2],
-    );
+    let mut best = (f64::INFINITY, usize::MAX);
+    // There is no plane if all items have the same keys: any half will do.
+    let mut found = (0, leaves / 2 * LEAF, [area(bins.whole()); 2]);
     for axis in 0..4 {
         for (count, left, right) in bins.planes(axis) {
+            let before = ((count + LEAF / 2) / LEAF).clamp(1, leaves - 1);
+            let behind = leaves - before;
             let (left, right) = (area(left), area(right));
-            let cost = left * round(count) as f64 + right * (leaves - round(count)) as f64;
-            if cost < best {
-                best = cost;
-                found = (axis, round(count) * LEAF, [left, right]);
+            let cost = left * before as f64 + right * behind as f64;
+            let rank = (cost, before.abs_diff(behind));
+            if rank < best {
+                best = rank;
+                found = (axis, before * LEAF, [left, right]);
             }
         }
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    /// No box of points in a row has a surface, so that all splits cost the same.
+    #[test]
+    fn points_in_a_row_are_split_by_number() {
+        let points: Vec<_> = (0..64 * LEAF)
+            .map(|i| Aabb::of_points([Vec3::X * i as f32]))
+            .collect();
+        let item = |i: usize| Item {
+            key: [2.0 * i as f32, 0.0, 0.0, 0.0],
+            index: i as u32,
+        };
+        let mut items: Vec<_> = (0..points.len()).map(item).collect();
+        let (ends, count) = by_cost(&mut items, &points);
+        assert_eq!(count, LANES);
+        assert_eq!(
+            ends,
+            [8, 16, 24, 32, 40, 48, 56, 64].map(|leaves| leaves * LEAF)
+        );
+    }
 }

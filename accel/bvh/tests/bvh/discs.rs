@@ -7,6 +7,10 @@ use tyndall_bvh::{BuildError, Discs, Quality};
 use tyndall_core::{Ray, Sampler};
 use tyndall_testkit::{TestSampler, rng};
 
+/// Of one ray in five a rim is the target, of one in six a disc its end: about half as many discs as
+/// are met for certain may be too close to call.
+const AIMED: f64 = 0.5;
+
 const QUALITIES: [Quality; 2] = [Quality::Fast, Quality::High];
 
 fn build(centers: &[Vec3], radii: &[f32], quality: Quality) -> Discs {
@@ -53,12 +57,16 @@ fn few_and_many_in_all_places() {
             let centers = centers(places, count, &mut random);
             let radius = 0.5 / (count as f32 + 1.0).cbrt();
             let radii = radii(radius, 0.3, count, &mut random);
-            let met = check(&centers, &radii, 1.0, 40, &mut random).met;
-            assert!(met > 0 || count == 0, "{places:?} {count}");
+            let verdict = check(&centers, &radii, 1.0, 40, &mut random);
+            if count > 0 {
+                verdict.assert(0, AIMED, (places, count));
+            }
         }
     }
 }
 
+/// Of the discs at one point, those below the 2e-6 to which a place two units away is known are too
+/// close to call: about seven decades in twelve.
 #[test]
 fn radii_over_twelve_decades() {
     let mut random = rng(2);
@@ -66,7 +74,11 @@ fn radii_over_twelve_decades() {
         let centers = centers(places, 3000, &mut random);
         let mut radii = radii(0.3, 12.0, 3000, &mut random);
         radii[..50].fill(0.0);
-        assert!(check(&centers, &radii, 1.0, 60, &mut random).met > 1000);
+        let unsure = match places {
+            Places::Coincident => 7.0 / 5.0,
+            _ => AIMED,
+        };
+        check(&centers, &radii, 1.0, 60, &mut random).assert(1000, unsure, places);
     }
 }
 
@@ -79,13 +91,19 @@ fn scenes_of_any_scale() {
             .map(|center| center * scale)
             .collect();
         let radii = radii(0.05 * scale, 1.0, 2000, &mut random);
-        let verdict = check(&centers, &radii, scale, 60, &mut random);
-        assert!(verdict.met > 100, "{scale}: {}", verdict.met);
-        assert!(
-            verdict.unsure * 10 < verdict.met,
-            "{scale}: {}",
-            verdict.unsure
-        );
+        check(&centers, &radii, scale, 60, &mut random).assert(100, AIMED, scale);
+    }
+}
+
+/// Centres in all corners of what is promised, with the largest radii and the smallest.
+#[test]
+fn places_and_radii_at_the_promised_extremes() {
+    let mut random = rng(9);
+    let corner = |i| Vec3::from_array([i, i / 2, i / 4].map(|i| (i % 2) as f32)) * 2.0 - 1.0;
+    for (place, radius) in [(1e18, 1e18), (1e-18, 1e18), (1e-18, 1e-18)] {
+        let centers: Vec<_> = (0..800).map(|i| place * corner(i)).collect();
+        let verdict = check(&centers, &[radius; 800], radius, 100, &mut random);
+        verdict.assert(1000, AIMED, (place, radius));
     }
 }
 
@@ -98,8 +116,7 @@ fn small_discs_far_from_the_origin() {
         .map(|center| far + center)
         .collect();
     let radii = vec![1e-3; 2000];
-    let verdict = check(&centers, &radii, 1.0, 400, &mut random);
-    assert!(verdict.met > 300, "{}", verdict.met);
+    check(&centers, &radii, 1.0, 400, &mut random).assert(300, AIMED, far);
 }
 
 /// Of discs whose rim is nearer to the ray than their radius by a part in 2¹⁰, or farther.
@@ -118,7 +135,7 @@ fn grazing_rays() {
                 let ray = Ray::new(Vec3::ZERO, direction);
                 let mut met = [0, 0];
                 discs.along(&ray, |_, _, _| met[0] += 1);
-                discs.chords(&ray, |_, _, _, _| met[1] += 1);
+                discs.chords(&ray, |_, _, _| met[1] += 1);
                 assert_eq!(met, [hits; 2], "{direction} {distance} {radius}");
             }
         }
@@ -142,39 +159,46 @@ fn a_hundred_thousand_at_one_point() {
 
 #[test]
 fn behind_the_eye_and_beyond_the_end() {
+    const NONE: [(f32, f32); 0] = [];
     for quality in QUALITIES {
         let discs = build(&[Vec3::ZERO], &[1.0], quality);
-        let along = |z: f32, t_max: f32| {
+        let hits = |z: f32, t_max: f32| {
             let ray = Ray::new(Vec3::new(0.6, 0.0, z), Vec3::Z).up_to(t_max);
-            let mut hits = Vec::new();
-            discs.along(&ray, |_, t, d2| hits.push((t, d2)));
-            hits
-        };
-        let chord = |z: f32, t_max: f32| {
-            let ray = Ray::new(Vec3::new(0.6, 0.0, z), Vec3::Z).up_to(t_max);
-            let mut hits = Vec::new();
-            discs.chords(&ray, |_, _, t0, t1| hits.push((t0, t1)));
-            hits
+            let (mut along, mut chords) = (Vec::new(), Vec::new());
+            discs.along(&ray, |_, t, d2| along.push((t, d2)));
+            discs.chords(&ray, |_, t, d2| chords.push((t, d2)));
+            (along, chords)
         };
         let d2 = 0.6 * 0.6;
-        assert_eq!(along(-2.0, f32::INFINITY), [(2.0, d2)]);
-        assert_eq!(along(-2.0, 2.0), [(2.0, d2)]);
-        assert_eq!(along(0.0, 0.0), [(0.0, d2)]);
-        assert_eq!(along(-2.0, 1.9), []);
-        assert_eq!(along(0.5, f32::INFINITY), []);
-        let close = |hits: Vec<(f32, f32)>, t0: f32, t1: f32| {
-            assert_eq!(hits.len(), 1);
-            assert!(
-                (hits[0].0 - t0).abs() < 1e-6 && (hits[0].1 - t1).abs() < 1e-6,
-                "{hits:?}"
-            );
-        };
-        close(chord(-2.0, f32::INFINITY), 1.2, 2.8);
-        close(chord(-2.0, 1.9), 1.2, 1.9);
-        close(chord(0.5, f32::INFINITY), 0.0, 0.3);
-        assert_eq!(chord(-2.0, 1.1), []);
-        assert_eq!(chord(0.9, f32::INFINITY), []);
-        assert_eq!(chord(0.0, 0.0), []);
+        let both = |t| (vec![(t, d2)], vec![(t, d2)]);
+        let sphere = |t| (NONE.to_vec(), vec![(t, d2)]);
+        let none = || (NONE.to_vec(), NONE.to_vec());
+        assert_eq!(hits(-2.0, f32::INFINITY), both(2.0));
+        assert_eq!(hits(-2.0, 2.0), both(2.0));
+        assert_eq!(hits(-2.0, 1.9), sphere(2.0));
+        assert_eq!(hits(-2.0, 1.1), none());
+        assert_eq!(hits(0.5, f32::INFINITY), sphere(-0.5));
+        assert_eq!(hits(0.9, f32::INFINITY), none());
+        // A disc is met in a point, a sphere is not.
+        assert_eq!(hits(0.0, 0.0), (vec![(0.0, d2)], NONE.to_vec()));
+    }
+}
+
+/// Their chords are less than a unit in the last place of where they begin.
+#[test]
+fn small_spheres_far_along_the_ray() {
+    for quality in QUALITIES {
+        for (distance, radius) in [(1e6_f32, 1e-3), (1e6, 1e-9), (1e18, 1.0), (1e18, 1e-18)] {
+            let discs = build(&[distance * Vec3::Z], &[radius], quality);
+            let aside = 0.5 * radius;
+            let ray = Ray::new(aside * Vec3::X, Vec3::Z);
+            for ray in [ray, ray.up_to(distance)] {
+                let mut hits = Vec::new();
+                discs.chords(&ray, |_, t, d2| hits.push((t, d2)));
+                assert_eq!(hits, [(distance, aside * aside)]);
+            }
+            discs.chords(&ray.up_to(distance.next_down()), |_, _, _| panic!("met"));
+        }
     }
 }
 
@@ -183,7 +207,7 @@ fn radius_zero_is_never_met() {
     let discs = build(&[Vec3::ZERO; 9], &[0.0; 9], Quality::Fast);
     let ray = Ray::new(Vec3::NEG_Z, Vec3::Z);
     discs.along(&ray, |_, _, _| panic!("met"));
-    discs.chords(&ray, |_, _, _, _| panic!("met"));
+    discs.chords(&ray, |_, _, _| panic!("met"));
 }
 
 #[test]
@@ -197,7 +221,7 @@ fn rays_that_are_no_rays_meet_nothing() {
         Ray::new(Vec3::ZERO, Vec3::Z).up_to(-1.0),
     ] {
         discs.along(&ray, |_, _, _| panic!("met by {ray:?}"));
-        discs.chords(&ray, |_, _, _, _| panic!("met by {ray:?}"));
+        discs.chords(&ray, |_, _, _| panic!("met by {ray:?}"));
     }
 }
 
@@ -207,7 +231,7 @@ fn bad_discs_are_errors() {
         let discs = Discs::build(&[Vec3::ZERO, center], &[1.0, radius], Quality::Fast);
         discs.map(|_| ()).map_err(|e| e.to_string())
     };
-    let place = "primitive 1: its place is not finite or beyond 1e18; correct it";
+    let place = "primitive 1: a coordinate is not finite or beyond 1e18; correct it";
     let radius = "primitive 1: its radius is negative, not finite or beyond 1e18; correct it";
     for center in [Vec3::NAN, Vec3::NEG_INFINITY, Vec3::new(0.0, 2e18, 0.0)] {
         assert_eq!(build(center, 1.0), Err(place.into()));
@@ -215,7 +239,7 @@ fn bad_discs_are_errors() {
     for bad in [-1.0, f32::NAN, f32::INFINITY, 2e18] {
         assert_eq!(build(Vec3::ZERO, bad), Err(radius.into()));
     }
-    assert_eq!(build(Vec3::splat(9e17), 0.5e17), Ok(()));
+    assert_eq!(build(Vec3::splat(1e18), 1e18), Ok(()));
     let lengths = Discs::build(&[Vec3::ZERO], &[], Quality::Fast).map(|_| ());
     let [centers, radii] = [1, 0];
     assert_eq!(lengths, Err(BuildError::Lengths { centers, radii }));
