@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use std::f32::consts::PI;
 use tyndall_bvh::{Discs, Quality};
 use tyndall_core::{MediumId, PassError, Ray, Spectrum};
+use tyndall_density::Chord;
 use tyndall_kd_tree::Photons;
 
 use crate::options::unsupported;
@@ -108,21 +109,15 @@ impl<S: Spectrum> PhotonDiscs<S> {
                     distance_squared,
                 });
             }),
-            Blur::Ball => self.discs.chords(ray, |slot, distance_squared, t0, t1| {
-                // The difference of two ends far along the ray would have lost a small ball.
-                let cut = t0 <= 0.0 || t1 >= ray.t_max;
-                let length = if cut {
-                    t1 - t0
-                } else {
-                    let squared = 1.0 / self.photons[slot].inverse_squared - distance_squared;
-                    2.0 * squared.max(0.0).sqrt()
-                };
-                hits.push(Hit {
+            Blur::Ball => self.discs.chords(ray, |slot, t, distance_squared| {
+                let radius = self.discs.radius(slot);
+                let chord = Chord::new(t, distance_squared, radius, ray.t_max);
+                hits.extend(chord.map(|Chord { start, length }| Hit {
                     slot: slot as u32,
-                    t: t0,
+                    t: start,
                     length,
                     distance_squared,
-                });
+                }));
             }),
         }
     }
