@@ -211,3 +211,40 @@ fn an_interrupted_render_writes_what_there_is() {
     assert!(start.elapsed() < Duration::from_secs(60) && status.success());
     assert!(file.exists());
 }
+
+#[test]
+fn every_integrator_renders_any_scene() {
+    let scene = scene("glass_ball");
+    let small = [
+        "film.width=12",
+        "film.height=9",
+        "integrator.paths=500",
+        "integrator.final_gather=2",
+    ];
+    for (name, notes) in [
+        ("path", ["`paths` is not for path", "`final_gather`"]),
+        ("photon_map", ["photons blur light, however many", ""]),
+        (
+            "progressive_photon_map",
+            ["photons blur light, less", "`final_gather` is not for"],
+        ),
+        (
+            "beam_radiance",
+            ["photons blur light, less", "`final_gather` is not for"],
+        ),
+    ] {
+        let folder = folder();
+        let (file, exr) = path(&folder, "out.exr");
+        let mut arguments = vec!["render", &scene, "-o", &exr, "--passes", "2"];
+        arguments.extend(["--integrator", name]);
+        arguments.extend(small.iter().flat_map(|set| ["--set", set]));
+        let output = tyndall(&arguments);
+        let said = said(&output);
+        assert!(output.status.success(), "{name}: {said}");
+        assert!(file.exists());
+        assert!(
+            notes.iter().all(|note| said.contains(note)),
+            "{name}: {said}"
+        );
+    }
+}

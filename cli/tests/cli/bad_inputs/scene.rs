@@ -334,7 +334,37 @@ fn names() -> Vec<Case> {
             "an unknown integrator",
             "kind = 'path'",
             "kind = 'photons'",
-            "scene.toml … `integrator.kind` … choose `path`",
+            "scene.toml … `integrator.kind` … choose one of path, photon_map, progressive_photon_map, beam_radiance",
+        ),
+        broken(
+            "two radii",
+            "kind = 'path'",
+            "kind = 'beam_radiance'\nradius = 0.1\nnearest = 30",
+            "scene.toml … `integrator.nearest` … `radius` and `nearest` exclude each other: remove one",
+        ),
+        broken(
+            "a radius of nothing",
+            "kind = 'path'",
+            "kind = 'photon_map'\nradius = 0",
+            "scene.toml … `integrator.radius` … a number > 0",
+        ),
+        broken(
+            "an unknown kernel",
+            "kind = 'path'",
+            "kind = 'photon_map'\nkernel = 'gauss'",
+            "scene.toml … `integrator.kernel` … did you mean \"gaussian\"?",
+        ),
+        broken(
+            "radii that grow",
+            "kind = 'path'",
+            "kind = 'progressive_photon_map'\nalpha = 1.5",
+            "scene.toml … `integrator.alpha` … a number above 0 and at most 1",
+        ),
+        broken(
+            "more memory than there is",
+            "kind = 'path'",
+            "kind = 'beam_radiance'\nmemory = 0",
+            "scene.toml … `integrator.memory` … a whole number from 1",
         ),
     ]
 }
