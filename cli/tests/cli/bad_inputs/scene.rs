@@ -351,7 +351,7 @@ fn names() -> Vec<Case> {
         broken(
             "an unknown kernel",
             "kind = 'path'",
-            "kind = 'photon_map'\nkernel = 'gauss'",
+            "kind = 'photon_map'\nkernel = 'gausian'",
             "scene.toml … `integrator.kernel` … did you mean \"gaussian\"?",
         ),
         broken(
