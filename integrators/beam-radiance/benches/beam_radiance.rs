@@ -1,2 +1,141 @@
-//! later
-fn main() {}
+//! The beam radiance estimate in a box of fog with a ball of glass, on one core.
+//!
+//!     cargo bench -p tyndall-beam-radiance
+//!
+//! A pass of 500,000 photons in the medium, whose radii reach to the 30th nearest, and rays of a
+//! picture of 320 × 180 through them; then against the number of photons. `MANY=1` in the
+//! environment adds 10⁷.
+
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use std::hint::black_box;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+use tyndall_beam_radiance::{BeamRadiance, Blur, Pass, Transmittance};
+use tyndall_core::{Integrator, PassContext, Rgb, Sampler, Sensor};
+use tyndall_driver::PassStreams;
+use tyndall_photons::{Emission, PhotonMaps};
+use tyndall_scene_io::{Scene, SceneFile};
+use tyndall_testkit::rng;
+use tyndall_walk::ByPhotons;
+
+/// Photons in the fog for every light path.
+const PHOTONS_A_PATH: f64 = 5.25;
+
+fn scene(fog: &str) -> Scene<Rgb> {
+    let text = format!(
+        r#"
+camera = {{ position = [0, 1, 3.6], look_at = [0, 1, 0], fov = 38, medium = "fog" }}
+film = {{ width = 320, height = 180 }}
+media.fog = {fog}
+materials.white = {{ kind = "diffuse", reflectance = 0.73 }}
+materials.red = {{ kind = "diffuse", reflectance = [0.63, 0.065, 0.05] }}
+materials.green = {{ kind = "diffuse", reflectance = [0.14, 0.45, 0.091] }}
+materials.glass = {{ kind = "dielectric", ior = 1.5, inside = "vacuum" }}
+shapes = [
+    {{ kind = "quad", corner = [-1, 0, 1], edge_u = [2, 0, 0], edge_v = [0, 0, -2], material = "white" }},
+    {{ kind = "quad", corner = [-1, 2, -1], edge_u = [2, 0, 0], edge_v = [0, 0, 2], material = "white" }},
+    {{ kind = "quad", corner = [-1, 0, -1], edge_u = [2, 0, 0], edge_v = [0, 2, 0], material = "white" }},
+    {{ kind = "quad", corner = [-1, 0, 1], edge_u = [0, 0, -2], edge_v = [0, 2, 0], material = "red" }},
+    {{ kind = "quad", corner = [1, 0, -1], edge_u = [0, 0, 2], edge_v = [0, 2, 0], material = "green" }},
+    {{ kind = "quad", corner = [-0.25, 1.99, -0.25], edge_u = [0.5, 0, 0], edge_v = [0, 0, 0.5], material = "white", emission = [17, 12, 6] }},
+    {{ kind = "sphere", center = [0, 0.8, 0], radius = 0.4, material = "glass" }},
+]
+"#
+    );
+    let file = SceneFile::parse(&text, Path::new("box"), &[]).expect("the scene is valid");
+    file.build().expect("the scene is valid")
+}
+
+const EVEN: &str = r#"{ kind = "homogeneous", sigma_a = 0.02, sigma_s = 0.25 }"#;
+const FORWARD: &str = r#"{ kind = "homogeneous", sigma_a = 0.02, sigma_s = 0.25, phase = { kind = "henyey_greenstein", g = 0.4 } }"#;
+const CHROMATIC: &str = r#"{ kind = "homogeneous", sigma_a = 0.02, sigma_s = [0.2, 0.25, 0.3] }"#;
+
+fn method(photons: f64) -> BeamRadiance {
+    let paths = (photons / PHOTONS_A_PATH) as u64;
+    BeamRadiance::new().paths(paths).starting_paths(paths)
+}
+
+/// On one thread: its time is that of the core.
+fn alone<T: Send>(work: impl FnOnce() -> T + Send) -> T {
+    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+    one.expect("a pool of one thread").install(work)
+}
+
+fn pass(host: &Scene<Rgb>, method: &BeamRadiance) -> Pass<Rgb> {
+    let (streams, running) = (PassStreams::new(1, 0), AtomicBool::new(false));
+    let cx = PassContext::new(0, &streams, &running);
+    alone(|| method.begin_pass(host, &cx, None)).expect("a pass")
+}
+
+fn trace(host: &Scene<Rgb>, paths: u64) -> PhotonMaps<Rgb> {
+    let (streams, running) = (PassStreams::new(1, 0), AtomicBool::new(false));
+    let cx = PassContext::new(0, &streams, &running);
+    let emission = Emission {
+        paths,
+        ..Emission::default()
+    };
+    alone(|| PhotonMaps::trace::<_, ByPhotons, _>(host, &cx, emission)).expect("photons")
+}
+
+/// Rays of the picture, row by row.
+#[allow(clippy::print_stdout)]
+fn gather(c: &mut Criterion, name: &str, host: &Scene<Rgb>, method: &BeamRadiance) {
+    let pass = pass(host, method);
+    let [volume, surfaces] = pass.photons();
+    println!(
+        "{name}: {volume} photons in the medium, {surfaces} on surfaces, {} bytes",
+        pass.bytes()
+    );
+    let (mut sampler, mut index) = (rng(1), 0);
+    let mut group = c.benchmark_group("rays");
+    group.throughput(Throughput::Elements(1));
+    group.bench_function(name, |b| {
+        b.iter(|| {
+            index = (index + 1) % (320 * 180);
+            let ray = host.sensor_ray([index % 320, index / 320], sampler.next());
+            black_box(method.estimate(host, &pass, &mut (), &ray, &mut sampler))
+        });
+    });
+    group.finish();
+}
+
+fn bench(c: &mut Criterion) {
+    let host = scene(EVEN);
+    let mut group = c.benchmark_group("pass");
+    group.sample_size(10);
+    for photons in [1e4, 1e5, 5e5, 1e6] {
+        let paths = (photons / PHOTONS_A_PATH) as u64;
+        group.throughput(Throughput::Elements(photons as u64));
+        group.bench_function(BenchmarkId::new("traced, in kd-trees", photons), |b| {
+            b.iter(|| black_box(trace(&host, paths)));
+        });
+        group.bench_function(BenchmarkId::new("and in discs", photons), |b| {
+            b.iter(|| black_box(pass(&host, &method(photons))));
+        });
+    }
+    group.finish();
+    let more = std::env::var("MANY").is_ok().then_some(1e7);
+    for photons in [1e4, 1e5, 5e5, 1e6].into_iter().chain(more) {
+        gather(c, &format!("{photons:e} photons"), &host, &method(photons));
+    }
+    // Surfaces left out: what is gathered along rays alone.
+    let yardstick = method(5e5).surface_radius(1e-5);
+    gather(c, "medium alone", &host, &yardstick);
+    gather(c, "forward scattering", &scene(FORWARD), &yardstick);
+    gather(c, "chromatic", &scene(CHROMATIC), &yardstick);
+    gather(c, "balls", &host, &yardstick.blur(Blur::Ball));
+    let smoke = scene(
+        r#"{ kind = "grid", plume = { resolution = 64 }, min = [-1, 0, -1], max = [1, 2, 1], scale = 2, albedo = 0.9 }"#,
+    );
+    gather(c, "smoke, table", &smoke, &yardstick);
+    let flights = Transmittance::Tracking { flights: 16 };
+    gather(
+        c,
+        "smoke, 16 flights",
+        &smoke,
+        &yardstick.transmittance(flights),
+    );
+}
+
+criterion_group!(benches, bench);
+criterion_main!(benches);

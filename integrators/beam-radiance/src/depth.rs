@@ -8,24 +8,28 @@ pub(crate) const OPAQUE: f32 = 87.0;
 /// Halvings of a piece.
 const LEVELS: u32 = 16;
 /// Knots of a table.
-const KNOTS: usize = 1 << 15;
+const KNOTS: usize = 1 << 14;
 /// Optical depth that is added to that of a piece to get its share of the error: those that are
 /// almost empty need no relative precision.
 const FLOOR: f64 = 1.0 / 1024.0;
 
-/// Optical depth up to every distance of a ray, linear between knots.
+/// Optical depth up to every distance of a ray, a parabola between knots.
 ///
 /// σt is sampled along the stretches that have any by their majorant, at least four times a mean
-/// free path of that; pieces are halved until Simpson's rule over a piece agrees with that over its
-/// halves (Press et al. 2007, §4.2), and until the depth is almost linear in them.
+/// free path of that; pieces are halved until the parabola through three samples agrees in both
+/// halves with Simpson's rule (Press et al. 2007, §4.2), and until σt is almost linear in them.
 ///
 /// # Error
 /// For a transmittance off by no more than ε, a piece of depth Δτ may be off by ε/2·Δτ, and the
 /// depth between two knots by ε/(2 Tr): together |ΔTr| ≤ Tr·(ε/2·τ + ε/(2 Tr)) ≤ ε, for τ·e^−τ < 1.
-/// What is reported is the largest such sum of the estimates, where halving ended. What lies
+/// What is reported is the largest such sum of the estimates, where halving ended. Estimates are
+/// differences of two rules, doubled, since at kinks they may agree by chance; and no less than ε/2
+/// is ever reported where anything was sampled, since below what was asked for they mean little. What lies
 /// between two samples and shows in none of them is not seen.
+///
+/// Where all channels are beyond a depth of 87 the table ends: no `f32` sees farther.
 #[derive(Clone, Debug)]
-pub(crate) struct DepthTable<S> {
+pub struct DepthTable<S> {
     knots: Vec<Knot<S>>,
     /// For even steps along the ray, the knot from where to look on.
     guide: Vec<u32>,
@@ -43,8 +47,10 @@ struct Knot<S> {
     t: f32,
     /// Optical depth.
     depth: S,
-    /// Mean σt from here to the next.
+    /// σt here, and half of what it grows by per unit up to the next: of the line that has the mean
+    /// σt between them.
     sigma_t: S,
+    growth: S,
 }
 
 /// A piece of the ray with σt at its ends and in the middle.
@@ -69,8 +75,9 @@ impl<S> Default for DepthTable<S> {
 }
 
 impl<S: Spectrum> DepthTable<S> {
-    /// Measures the ray, which is finite, and returns the largest error of transmittance met.
-    pub(crate) fn measure<M: Medium<Spectrum = S>>(
+    /// Measures a ray of finite length for a transmittance within `max_error`, and returns the error
+    /// of what it came to: more if knots ran out, or halvings.
+    pub fn measure<M: Medium<Spectrum = S>>(
         &mut self,
         medium: &M,
         ray: &Ray,
@@ -81,8 +88,11 @@ impl<S: Spectrum> DepthTable<S> {
         self.depth.resize(S::CHANNELS, [0.0; 2]);
         (self.is_grey, self.error) = (true, 0.0);
         medium.majorants(ray, |stretch| self.stretch(medium, ray, stretch, max_error));
-        let end = self.knots.last().map_or(0.0, |knot| knot.t);
-        self.knot(end, S::default());
+        if self.knots.is_empty() {
+            self.knot(0.0, S::default(), S::default());
+        } else {
+            self.error = self.error.max(0.5 * f64::from(max_error));
+        }
         self.index();
         self.error as f32
     }
@@ -105,11 +115,8 @@ impl<S: Spectrum> DepthTable<S> {
         let (mut start, end) = (f64::from(t_min), f64::from(t_max.min(ray.t_max)));
         let mut first = sigma_t(start);
         while start < end {
-            let next = (start + 1.0 / f64::from(sigma_bar)).min(end);
-            if !(next as f32 > start as f32) {
-                start = f64::from((start as f32).next_up());
-                continue;
-            }
+            let least = f64::from((start as f32).next_up());
+            let next = (start + 1.0 / f64::from(sigma_bar)).max(least).min(end);
             let last = sigma_t(next);
             let piece = Piece {
                 ends: [start, next],
@@ -163,19 +170,22 @@ impl<S: Spectrum> DepthTable<S> {
                 sigma_t: [c, d, e],
             },
         ];
+        let off = |i| {
+            let [before, behind] = whole.halves(i);
+            let [first, second] = halves.map(|half| half.depth(i));
+            [before - first, behind - second].map(|off| 2.0 * off.abs())
+        };
         let fine = self.depth.iter().enumerate().all(|(i, [depth, _])| {
             let [first, second] = halves.map(|half| half.depth(i));
-            let off = (whole.depth(i) - (first + second)).abs();
             let bend = halves[0].bend(i).max(halves[1].bend(i));
-            off <= 0.5 * max_error * (first + second + FLOOR)
+            off(i).iter().sum::<f64>() <= 0.5 * max_error * (first + second + FLOOR)
                 && bend * (-depth).exp() <= 0.5 * max_error
         });
-        if fine || levels == 0 || self.knots.len() >= KNOTS {
-            for half in halves {
-                self.add(half, |i| {
-                    let [first, second] = halves.map(|half| half.depth(i));
-                    0.5 * (whole.depth(i) - (first + second)).abs()
-                });
+        let [from, half, to] = [start, middle, end].map(|t| t as f32);
+        let is_shortest = from == half || half == to;
+        if fine || is_shortest || levels == 0 || self.knots.len() >= KNOTS {
+            for (k, half) in halves.into_iter().enumerate() {
+                self.add(half, |i| off(i)[k]);
             }
         } else {
             for half in halves {
@@ -189,25 +199,38 @@ impl<S: Spectrum> DepthTable<S> {
     /// Adds a piece whose depth may be off by `error` of each channel.
     fn add(&mut self, piece: Piece<S>, error: impl Fn(usize) -> f64) {
         let [start, end] = piece.ends;
-        let inverse = 1.0 / (end - start);
+        let rise = piece.sigma_t[2] - piece.sigma_t[0];
+        let mean = S::from_channels(|i| (piece.depth(i) / (end - start)) as f32);
+        // The end of the piece before, unless there is a gap between.
+        self.knots.pop_if(|before| before.t == start as f32);
         self.knot(
             start as f32,
-            S::from_channels(|i| (piece.depth(i) * inverse) as f32),
+            mean - rise * 0.5,
+            rise * (0.5 / (end - start)) as f32,
         );
         for i in 0..S::CHANNELS {
             let [depth, off] = &mut self.depth[i];
             let here = (-*depth).exp();
             *off += error(i);
-            let rounding = f64::from(f32::EPSILON) * (1.0 + *depth);
+            // Of depths, and of distances in `f32`.
+            let sigma_t = piece.depth(i) / (end - start);
+            let rounding = f64::from(f32::EPSILON) * (1.0 + *depth + sigma_t * end);
             self.error = self.error.max(here * (*off + piece.bend(i) + rounding));
             *depth += piece.depth(i);
         }
+        self.knot(end as f32, S::default(), S::default());
     }
 
-    fn knot(&mut self, t: f32, sigma_t: S) {
+    fn knot(&mut self, t: f32, sigma_t: S, growth: S) {
         let depth = S::from_channels(|i| self.depth[i][0] as f32);
         self.is_grey &= depth == S::splat(depth.channel(0));
-        self.knots.push(Knot { t, depth, sigma_t });
+        self.is_grey &= growth == S::splat(growth.channel(0));
+        self.knots.push(Knot {
+            t,
+            depth,
+            sigma_t,
+            growth,
+        });
     }
 
     /// Makes the guide.
@@ -230,15 +253,20 @@ impl<S: Spectrum> DepthTable<S> {
         ((t * self.steps) as usize).min(self.knots.len() - 1)
     }
 
-    /// The optical depth up to `t`.
+    /// The optical depth up to `t`, within the ray that was measured.
+    ///
+    /// # Panics
+    /// None was.
     #[inline]
-    pub(crate) fn depth(&self, t: f32) -> S {
+    pub fn depth(&self, t: f32) -> S {
         let mut index = self.guide[self.step(t)] as usize;
         while self.knots.get(index + 1).is_some_and(|next| next.t <= t) {
             index += 1;
         }
         let knot = &self.knots[index];
-        knot.depth + knot.sigma_t * (t - knot.t).max(0.0)
+        let x = (t - knot.t).max(0.0);
+        // Rounding may bend a parabola below 0.
+        (knot.depth + (knot.sigma_t + knot.growth * x) * x).map(|depth| depth.max(0.0))
     }
 
     /// Whether all channels are the same.
@@ -258,11 +286,20 @@ impl<S: Spectrum> Piece<S> {
         (self.ends[1] - self.ends[0]) / 6.0 * (a + 4.0 * b + c)
     }
 
-    /// How far the depth may be from linear: that of the parabola through the samples,
-    /// h·(|slope|/8 + curvature/15), for the integral of 4x(1−x) − 2/3 reaches 0.0642.
+    /// Optical depth of its halves by the parabola through the samples.
+    fn halves(&self, i: usize) -> [f64; 2] {
+        let [a, b, c] = self.channels(i);
+        let share = (self.ends[1] - self.ends[0]) / 24.0;
+        [
+            share * (5.0 * a + 8.0 * b - c),
+            share * (5.0 * c + 8.0 * b - a),
+        ]
+    }
+
+    /// How far the depth may be from the parabola, doubled: the line of σt has its mean and its rise,
+    /// what is left is h·curvature/15, for the integral of 4x(1−x) − 2/3 reaches 0.0642.
     fn bend(&self, i: usize) -> f64 {
         let [a, b, c] = self.channels(i);
-        let curved = (b - 0.5 * (a + c)).abs();
-        (self.ends[1] - self.ends[0]) * ((c - a).abs() / 8.0 + curved / 15.0)
+        (self.ends[1] - self.ends[0]) * (b - 0.5 * (a + c)).abs() / 7.5
     }
 }

@@ -2,10 +2,10 @@
 
 use crate::Blur;
 use glam::Vec3;
+use rayon::prelude::*;
 use std::f32::consts::PI;
 use tyndall_bvh::{Discs, Quality};
 use tyndall_core::{MediumId, PassError, Ray, Spectrum};
-use tyndall_density::RADII;
 use tyndall_kd_tree::Photons;
 
 use crate::options::unsupported;
@@ -44,25 +44,22 @@ pub(crate) struct Hit {
 }
 
 impl<S: Spectrum> PhotonDiscs<S> {
-    /// Of the photons in `medium`, with the radius of every slot of `photons`.
+    /// Of the photons in `slots`, all in `medium`; `radii` are those of all slots.
     pub(crate) fn build(
-        photons: &Photons<S>,
-        radii: &[f32],
         medium: MediumId,
+        photons: &Photons<S>,
+        slots: &[u32],
+        radii: &[f32],
         blur: Blur,
     ) -> Result<Self, PassError> {
-        let (mut slots, mut centers, mut of_slots) = (Vec::new(), Vec::new(), Vec::new());
-        for (slot, &radius) in radii.iter().enumerate() {
-            if photons.medium(slot) == medium && RADII.contains(&radius) {
-                slots.push(slot as u32);
-                centers.push(photons.position(slot));
-                of_slots.push(radius);
-            }
-        }
+        let center = |&slot: &u32| photons.position(slot as usize);
+        let centers: Vec<Vec3> = slots.par_iter().map(center).collect();
+        let radius = |&slot: &u32| radii[slot as usize];
+        let of_slots: Vec<f32> = slots.par_iter().map(radius).collect();
         let discs = Discs::build(&centers, &of_slots, Quality::Fast).map_err(unsupported)?;
         let payload = |&index: &u32| {
-            let (slot, radius) = (slots[index as usize] as usize, of_slots[index as usize]);
-            let inverse = 1.0 / radius;
+            let slot = slots[index as usize] as usize;
+            let inverse = 1.0 / radii[slot];
             let density = match blur {
                 Blur::Disc => inverse * inverse,
                 Blur::Ball => inverse * inverse * inverse * (0.75 / PI),
@@ -73,7 +70,7 @@ impl<S: Spectrum> PhotonDiscs<S> {
                 flux: photons.flux(slot) * density,
             }
         };
-        let photons = discs.order().iter().map(payload).collect();
+        let photons = discs.order().par_iter().map(payload).collect();
         Ok(Self {
             medium,
             blur,

@@ -16,7 +16,7 @@ use tyndall_core::{Medium, Ray, Sampler, Spectrum};
 /// channels included. Grey media have weights of 1, and T is the share of flights that get farther,
 /// as in the progressive deep shadow maps of Jarosz et al. (2011), "Progressive Photon Beams", §5.1.
 #[derive(Clone, Debug)]
-pub(crate) struct Flights<S> {
+pub struct Flights<S> {
     /// How far they got, ascending, and their weight over their number; then the sum of the weights
     /// from there on. The last is one that got infinitely far and weighs nothing.
     ends: Vec<(f32, S)>,
@@ -30,12 +30,13 @@ impl<S> Default for Flights<S> {
 }
 
 impl<S: Spectrum> Flights<S> {
-    /// Flies `count` times.
-    pub(crate) fn fly<M: Medium<Spectrum = S>>(
+    /// Flies `count` times. `importance` is that of [`Medium::sample_free_flight`].
+    pub fn fly<M: Medium<Spectrum = S>>(
         &mut self,
         medium: &M,
         ray: &Ray,
-        (count, importance): (u32, S),
+        count: u32,
+        importance: S,
         sampler: &mut impl Sampler,
     ) {
         self.ends.clear();
@@ -54,8 +55,11 @@ impl<S: Spectrum> Flights<S> {
     }
 
     /// The estimate for `t`.
+    ///
+    /// # Panics
+    /// No flights were made.
     #[inline]
-    pub(crate) fn transmittance(&self, t: f32) -> S {
+    pub fn transmittance(&self, t: f32) -> S {
         let shorter = self.ends.partition_point(|(distance, _)| *distance <= t);
         self.ends[shorter.min(self.ends.len() - 1)].1
     }

@@ -103,7 +103,7 @@ impl<S: Spectrum> BeamGather<S> {
                 Attenuation::Table(table)
             }
             Transmittance::Tracking { flights: count } => {
-                flights.fly(medium, &ray, (count, importance), sampler);
+                flights.fly(medium, &ray, count, importance, sampler);
                 Attenuation::Flights(flights)
             }
         };

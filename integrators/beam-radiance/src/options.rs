@@ -14,15 +14,6 @@ pub enum Blur {
     Ball,
 }
 
-impl Blur {
-    pub(crate) fn dimension(self) -> Dimension {
-        match self {
-            Self::Disc => Dimension::Two,
-            Self::Ball => Dimension::Three,
-        }
-    }
-}
-
 /// How the transmittance from the sensor to the photons of a ray is found in media that are not the
 /// same everywhere. In those that are, it is a closed form.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,9 +33,11 @@ pub enum Transmittance {
 }
 
 impl Default for Transmittance {
-    /// A table of error 1e-3.
+    /// A table of error 1e-2. In a plume of 64³ voxels, seen at 160
+    /// photons a ray, it takes 11 µs a ray; 16 flights take 3, for noise of 10 % in every ray,
+    /// which is that of the photons once more.
     fn default() -> Self {
-        Self::Table { max_error: 1e-3 }
+        Self::Table { max_error: 1e-2 }
     }
 }
 

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU32, Ordering};
 use tyndall_core::{Aabb, MediumId, PassError, Spectrum};
-use tyndall_density::{Dimension, Schedule};
+use tyndall_density::{Dimension, RADII, Schedule};
 use tyndall_kd_tree::Photons;
 use tyndall_photons::{PhotonMaps, Search};
 
@@ -33,12 +33,10 @@ impl<S: Spectrum> Pass<S> {
         first_path: u64,
     ) -> Result<Self, PassError> {
         let (paths, starting) = (config.emission.paths, config.starting_paths);
-        let scale = |dimension| {
-            let schedule = Schedule::new(shrinkage(dimension, config.alpha)?, starting);
-            let schedule = schedule.map_err(unsupported)?;
-            Ok(schedule.scale(first_path, paths))
-        };
-        let shrink = scale(Dimension::Two)?;
+        // Two dimensions for balls too: a ray meets r² photons, each for a chord of r/r³.
+        let shrinkage = shrinkage(Dimension::Two, config.alpha)?;
+        let schedule = Schedule::new(shrinkage, starting).map_err(unsupported)?;
+        let shrink = schedule.scale(first_path, paths);
         let search = match config.surfaces.fixed {
             Some(radius) => Search::Within(radius * shrink),
             None => Search::Nearest {
@@ -52,7 +50,7 @@ impl<S: Spectrum> Pass<S> {
             diffuse,
             volume,
         } = maps;
-        let radii = radii(config, &volume, scale(config.blur.dimension())?);
+        let radii = radii(config, &volume, shrink);
         Ok(Self {
             caustic,
             diffuse,
@@ -126,20 +124,22 @@ fn bound_lonely<S: Spectrum>(photons: &Photons<S>, radii: &mut [f32]) {
     }
 }
 
-/// The discs of every medium.
+/// The discs of every medium, in the order of ids.
 fn discs<S: Spectrum>(
     photons: &Photons<S>,
     radii: &[f32],
     blur: Blur,
 ) -> Result<Vec<PhotonDiscs<S>>, PassError> {
-    let mut media: Vec<MediumId> = Vec::new();
-    for slot in 0..photons.len() {
-        let medium = photons.medium(slot);
-        if media.last() != Some(&medium) && !media.contains(&medium) {
-            media.push(medium);
+    let mut slots: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    for (slot, radius) in radii.iter().enumerate() {
+        if RADII.contains(radius) {
+            let medium = photons.medium(slot).0;
+            slots.entry(medium).or_default().push(slot as u32);
         }
     }
-    media.sort_unstable_by_key(|medium| medium.0);
-    let build = |&medium| PhotonDiscs::build(photons, radii, medium, blur);
-    media.par_iter().map(build).collect()
+    let slots: Vec<_> = slots.into_iter().collect();
+    slots
+        .par_iter()
+        .map(|(medium, slots)| PhotonDiscs::build(MediumId(*medium), photons, slots, radii, blur))
+        .collect()
 }

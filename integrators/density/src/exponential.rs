@@ -29,18 +29,8 @@ pub fn exp_negative(depths: &mut [f32]) {
         let shifted = x * std::f32::consts::LOG2_E + ROUNDING;
         let n = shifted - ROUNDING;
         let r = (x - n * LN_2[0]) - n * LN_2[1];
-        let mut series = 1.0 / 5040.0;
-        for factor in [
-            1.0 / 720.0,
-            1.0 / 120.0,
-            1.0 / 24.0,
-            1.0 / 6.0,
-            0.5,
-            1.0,
-            1.0,
-        ] {
-            series = series * r + factor;
-        }
+        let high = 1.0 / 24.0 + r * (1.0 / 120.0 + r * (1.0 / 720.0 + r * (1.0 / 5040.0)));
+        let series = 1.0 + r * (1.0 + r * (0.5 + r * (1.0 / 6.0 + r * high)));
         // The low bits of `shifted` are those of n; 127 is the bias of exponents.
         let power = f32::from_bits(shifted.to_bits().wrapping_add(127) << 23);
         *depth = if *depth < LARGEST {

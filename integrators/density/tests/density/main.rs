@@ -1,5 +1,6 @@
 //! Density estimation against closed forms and quadrature.
 
+mod exponential;
 mod kernel;
 mod medium;
 mod schedule;
