@@ -4,17 +4,17 @@
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Neighbour {
     /// Where it is stored; see [`crate::Photons::get`].
-    pub slot: usize,
+    pub slot: u32,
     /// The square of its distance from the centre.
     pub distance_squared: f32,
 }
 
 /// Room for the k nearest photons of a query, reused from one to the next.
 ///
-/// It keeps up to 2k candidates and drops all but the k nearest when it is full, at a cost a
-/// candidate that does not grow with k. The memory, 32k bytes or less, is taken at the first query
-/// and kept.
-#[derive(Clone, Debug, Default)]
+/// It keeps up to 2k candidates and drops all but the k nearest when it is full: on average the
+/// cost a candidate does not grow with k. A query takes room for 2k candidates of 8 bytes, or as
+/// many as there are photons if these are fewer, unless an earlier one has; it is never given back.
+#[derive(Clone, Debug)]
 pub struct Nearest {
     k: usize,
     found: Vec<Neighbour>,
@@ -47,14 +47,15 @@ impl Nearest {
         self.found.last().copied()
     }
 
-    /// Forgets the last query; `photons` is how many could be found.
+    /// Forgets the last query and makes room for one among so many photons.
     #[inline]
     pub(crate) fn begin(&mut self, photons: usize) {
         self.found.clear();
         self.found.reserve(self.capacity().min(photons));
     }
 
-    /// Adds a candidate nearer than `limit`, a squared distance, and returns the new limit.
+    /// Adds a candidate whose squared distance is below `limit`, and returns the limit for the next
+    /// ones: lower if k nearer ones are known. `k` is not 0.
     #[inline]
     pub(crate) fn add(&mut self, candidate: Neighbour, limit: f32) -> f32 {
         self.found.push(candidate);

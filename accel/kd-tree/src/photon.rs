@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use thiserror::Error;
-use tyndall_core::{MediumId, Spectrum};
+use tyndall_core::Spectrum;
 
 /// Beyond it, squares of distances leave the range of `f32`.
 const FARTHEST: f32 = 1e18;
@@ -10,7 +10,7 @@ const FARTHEST: f32 = 1e18;
 const UNIT_TOLERANCE: f32 = 1e-3;
 
 /// One photon, unpacked.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Photon<S> {
     /// Where it was stored, within ±1e18.
     pub position: Vec3,
@@ -18,8 +18,6 @@ pub struct Photon<S> {
     pub direction: Vec3,
     /// Power, W; what has been multiplied in is the integrator's choice.
     pub flux: S,
-    /// What fills the space around it.
-    pub medium: MediumId,
 }
 
 impl<S: Spectrum> Photon<S> {
@@ -73,11 +71,5 @@ pub enum BuildError {
     TooManyPhotons {
         /// Their number.
         photons: usize,
-    },
-    /// Media are numbered in 16 bits.
-    #[error("photons lie in {media} media, at most 65535 fit; split them over several trees")]
-    TooManyMedia {
-        /// The number of distinct media.
-        media: usize,
     },
 }

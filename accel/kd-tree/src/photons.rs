@@ -6,8 +6,7 @@ use crate::photon::{BuildError, Photon};
 use crate::tree::Tree;
 use glam::Vec3;
 use rayon::prelude::*;
-use std::collections::BTreeSet;
-use tyndall_core::{MediumId, Spectrum};
+use tyndall_core::Spectrum;
 
 /// Photons in a balanced kd-tree.
 ///
@@ -18,60 +17,59 @@ pub struct Photons<S> {
     pub(crate) tree: Tree,
     pub(crate) directions: Vec<[i16; 2]>,
     pub(crate) flux: Vec<S>,
-    /// Index in `media` of every photon; empty if there are fewer than two media.
-    pub(crate) medium_indices: Vec<u16>,
-    /// In ascending order.
-    pub(crate) media: Vec<MediumId>,
 }
 
 impl<S: Spectrum> Photons<S> {
     /// Stores photons, on the threads of the current pool of `rayon`; the same to the bit on any
     /// number of them.
     ///
+    /// While it runs it takes up to 34 bytes a photon of three channels beside the list, no more than
+    /// 4.5 above what the tree then holds.
+    ///
     /// # Errors
     /// If a position is not finite or beyond 1e18, a direction is not of length 1 ± 0.001, or a
-    /// flux is not finite; if there are more than `u32::MAX` photons or 65,535 media.
+    /// flux is not finite; if there are more than `u32::MAX` photons.
     ///
     /// ```
     /// use glam::Vec3;
-    /// use tyndall_core::MediumId;
     /// use tyndall_kd_tree::{Photon, Photons};
     ///
     /// let photon = |x| Photon {
     ///     position: Vec3::new(x, 0.0, 0.0),
     ///     direction: Vec3::Z,
     ///     flux: 0.25,
-    ///     medium: MediumId(1),
     /// };
-    /// let photons = Photons::build((0..100).map(|i| photon(i as f32)).collect()).unwrap();
+    /// let list: Vec<_> = (0..100).map(|i| photon(i as f32)).collect();
+    /// let photons = Photons::build(&list).unwrap();
     /// assert_eq!(photons.len(), 100);
     /// let mut flux = 0.0;
     /// photons.within(Vec3::ZERO, 3.0, |slot, _| flux += photons.flux(slot));
     /// assert_eq!(flux, 1.0); // of 0, 1, 2 and 3
-    /// assert!(Photons::build(vec![photon(f32::NAN)]).is_err());
+    /// assert!(Photons::build(&[photon(f32::NAN)]).is_err());
     /// ```
-    pub fn build(photons: Vec<Photon<S>>) -> Result<Self, BuildError> {
-        check(&photons)?;
-        let media = distinct_media(&photons)?;
+    pub fn build(photons: &[Photon<S>]) -> Result<Self, BuildError> {
+        Ok(Self::build_with_order(photons)?.0)
+    }
+
+    /// As [`Photons::build`]; the second part is the index in the list of the photon in every slot,
+    /// by which a caller can keep more about photons than is stored here.
+    ///
+    /// # Errors
+    /// Those of [`Photons::build`].
+    pub fn build_with_order(photons: &[Photon<S>]) -> Result<(Self, Vec<u32>), BuildError> {
+        check(photons)?;
         let (tree, order) = Tree::build(photons.len(), |i| photons[i].position);
-        let in_order = || order.par_iter().map(|&i| &photons[i as usize]);
-        let medium_indices = if media.len() > 1 {
-            in_order()
-                .map(|photon| media.partition_point(|&m| m.0 < photon.medium.0) as u16)
-                .collect()
-        } else {
-            Vec::new()
-        };
-        let (directions, flux) = in_order()
+        let (directions, flux) = order
+            .par_iter()
+            .map(|&i| &photons[i as usize])
             .map(|photon| (octahedral::pack(photon.direction), photon.flux))
             .unzip();
-        Ok(Self {
+        let photons = Self {
             tree,
             directions,
             flux,
-            medium_indices,
-            media,
-        })
+        };
+        Ok((photons, order))
     }
 
     /// How many there are.
@@ -84,15 +82,13 @@ impl<S: Spectrum> Photons<S> {
         self.len() == 0
     }
 
-    /// Memory held, in bytes: at most 32 a photon of three channels.
+    /// Memory held, in bytes: of three channels at most 29.5 a photon, and 400 a tree.
     pub fn bytes(&self) -> usize {
         size_of::<Self>()
             + held(&self.tree.nodes)
             + held(&self.tree.blocks)
             + held(&self.directions)
             + held(&self.flux)
-            + held(&self.medium_indices)
-            + held(&self.media)
     }
 
     /// Position of a photon. This and its siblings panic if `slot` is not below
@@ -115,12 +111,6 @@ impl<S: Spectrum> Photons<S> {
         self.flux[slot]
     }
 
-    /// What fills the space around it.
-    #[inline]
-    pub fn medium(&self, slot: usize) -> MediumId {
-        self.media[self.medium_index(slot)]
-    }
-
     /// The photon, unpacked.
     #[inline]
     pub fn get(&self, slot: usize) -> Photon<S> {
@@ -128,18 +118,12 @@ impl<S: Spectrum> Photons<S> {
             position: self.position(slot),
             direction: self.direction(slot),
             flux: self.flux(slot),
-            medium: self.medium(slot),
         }
     }
 
-    #[inline]
-    pub(crate) fn medium_index(&self, slot: usize) -> usize {
-        assert!(slot < self.len(), "slot {slot} of {} photons", self.len());
-        self.medium_indices.get(slot).map_or(0, |&m| usize::from(m))
-    }
-
     /// Calls `visit` with the slot and the squared distance of every photon in the closed ball
-    /// around `center`, once each, in no order.
+    /// around `center`, once each, in no order. `visit` cannot end it early: whether a ball holds k
+    /// photons is a question for [`Photons::nearest`], which stops looking where they suffice.
     ///
     /// Nothing is found if a number is NaN, `radius` is negative or `center` is not finite.
     #[inline]
@@ -151,63 +135,43 @@ impl<S: Spectrum> Photons<S> {
         });
     }
 
-    /// Finds the nearest photons, as many as `nearest` has room for, among those in the closed
-    /// ball around `center` that `accept` takes by their slots. Of photons equally far from
-    /// `center`, any may be the ones left out. Allocates nothing, apart from the first query of
-    /// `nearest`.
+    /// Finds the nearest photons, as many as `nearest` has room for, in the closed ball around
+    /// `center`. Of photons equally far from `center`, any may be the ones left out.
     ///
     /// Nothing is found if a number is NaN, `radius` is negative or `center` is not finite.
     ///
     /// ```
     /// use glam::Vec3;
-    /// use tyndall_core::MediumId;
     /// use tyndall_kd_tree::{Nearest, Photon, Photons};
     ///
     /// let photon = |x: u32| Photon {
     ///     position: Vec3::new(x as f32, 0.0, 0.0),
     ///     direction: Vec3::Z,
     ///     flux: 0.25,
-    ///     medium: MediumId(x % 2),
     /// };
-    /// let photons = Photons::build((0..100).map(photon).collect()).unwrap();
+    /// let list: Vec<_> = (1..100).map(photon).collect();
+    /// let photons = Photons::build(&list).unwrap();
     /// let mut nearest = Nearest::new(3);
-    /// let odd = |slot| photons.medium(slot) == MediumId(1);
-    /// photons.nearest(Vec3::ZERO, 10.0, odd, &mut nearest);
-    /// assert_eq!(nearest.found().len(), 3); // 1, 3 and 5
-    /// assert_eq!(nearest.farthest().unwrap().distance_squared, 25.0);
+    /// photons.nearest(Vec3::ZERO, 10.0, &mut nearest);
+    /// assert_eq!(nearest.found().len(), 3); // 1, 2 and 3
+    /// assert_eq!(nearest.farthest().unwrap().distance_squared, 9.0);
     /// ```
     #[inline]
-    pub fn nearest(
-        &self,
-        center: Vec3,
-        radius: f32,
-        accept: impl FnMut(usize) -> bool,
-        nearest: &mut Nearest,
-    ) {
-        self.nearest_below(center, limit(radius), accept, nearest);
+    pub fn nearest(&self, center: Vec3, radius: f32, nearest: &mut Nearest) {
+        self.nearest_below(center, limit(radius), nearest);
     }
 
     /// As [`Photons::nearest`], for squared distances below `limit`.
     #[inline]
-    pub(crate) fn nearest_below(
-        &self,
-        center: Vec3,
-        limit: f32,
-        mut accept: impl FnMut(usize) -> bool,
-        nearest: &mut Nearest,
-    ) {
+    pub(crate) fn nearest_below(&self, center: Vec3, limit: f32, nearest: &mut Nearest) {
         nearest.begin(self.len());
         let mut limit = if nearest.k() > 0 { limit } else { 0.0 };
         self.tree.visit(center, limit, |slot, distance_squared| {
-            if accept(slot) {
-                limit = nearest.add(
-                    Neighbour {
-                        slot,
-                        distance_squared,
-                    },
-                    limit,
-                );
-            }
+            let candidate = Neighbour {
+                slot: slot as u32,
+                distance_squared,
+            };
+            limit = nearest.add(candidate, limit);
             limit
         });
         nearest.end();
@@ -239,13 +203,4 @@ fn check<S: Spectrum>(photons: &[Photon<S>]) -> Result<(), BuildError> {
         .enumerate()
         .find_map_first(|(i, photon)| photon.check(i).err())
         .map_or(Ok(()), Err)
-}
-
-fn distinct_media<S>(photons: &[Photon<S>]) -> Result<Vec<MediumId>, BuildError> {
-    let runs = photons.chunk_by(|a, b| a.medium == b.medium);
-    let media: BTreeSet<u32> = runs.map(|run| run[0].medium.0).collect();
-    if media.len() > usize::from(u16::MAX) {
-        return Err(BuildError::TooManyMedia { media: media.len() });
-    }
-    Ok(media.into_iter().map(MediumId).collect())
 }

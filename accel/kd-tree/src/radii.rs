@@ -12,67 +12,79 @@ const BLOCK: usize = 1024;
 const GUESS: f32 = 1.2;
 
 impl<S: Spectrum> Photons<S> {
-    /// For every photon, in the order of slots, the distance to its `k`-th nearest other photon
-    /// of the same medium, or `max_radius` if that is less or there are not so many others: the
-    /// pilot of the beam radiance estimate (Jarosz, Zwicker & Jensen 2008, "The beam radiance
-    /// estimate for volumetric photon mapping").
+    /// For every photon, in the order of slots, the distance to its `k`-th nearest other photon, or
+    /// `max_radius` if that is less: the pilot of the beam radiance estimate (Jarosz, Zwicker &
+    /// Jensen 2008, "The beam radiance estimate for volumetric photon mapping").
     ///
-    /// `max_radius` may be infinite, and is then the radius of photons with fewer than `k` others;
-    /// if it is negative or NaN, it counts as 0. For `k` = 0, all radii are 0.
+    /// Where there are no `k` others, it is the diagonal of the box around all, so that all radii
+    /// are finite even if `max_radius` is not. A `max_radius` that is negative or NaN counts as 0.
+    ///
+    /// A radius is 0 for `k` = 0, for a photon alone, and where more than `k` photons coincide, as
+    /// they do far from the origin, where positions are rounded: there they have no density. What
+    /// cannot use that may take the rounding of the position for the least radius:
     ///
     /// ```
     /// use glam::Vec3;
-    /// use tyndall_core::MediumId;
     /// use tyndall_kd_tree::{Photon, Photons};
     ///
     /// let photon = |x| Photon {
     ///     position: Vec3::new(x, 0.0, 0.0),
     ///     direction: Vec3::Z,
     ///     flux: 0.25,
-    ///     medium: MediumId(0),
     /// };
-    /// let photons = Photons::build([0.0, 1.0, 3.0].map(photon).to_vec()).unwrap();
-    /// for (slot, radius) in photons.nearest_radii(2, 2.5).into_iter().enumerate() {
-    ///     let expected = if photons.position(slot).x == 1.0 { 2.0 } else { 2.5 };
-    ///     assert_eq!(radius, expected);
+    /// let photons = Photons::build(&[1e6, 1e6, 1e6 + 3.0].map(photon)).unwrap();
+    /// assert_eq!(photons.nearest_radii(2, 2.5), [2.5; 3]);
+    /// let mut radii = photons.nearest_radii(1, 2.5);
+    /// for (slot, radius) in radii.iter_mut().enumerate() {
+    ///     let rounding = f32::EPSILON * photons.position(slot).abs().max_element();
+    ///     *radius = radius.max(rounding); // may now be the radius of a disc
     /// }
+    /// radii.sort_by(f32::total_cmp);
+    /// assert_eq!(radii[2], 2.5);
+    /// assert!(0.1 < radii[0] && radii[1] < 0.2);
     /// ```
     pub fn nearest_radii(&self, k: usize, max_radius: f32) -> Vec<f32> {
-        let mut radii = vec![0.0; self.len()];
-        if k > 0 {
-            let max_radius = max_radius.max(0.0);
-            radii
-                .par_chunks_mut(BLOCK)
-                .enumerate()
-                .for_each(|(i, block)| self.block_radii(i * BLOCK, k, max_radius, block));
+        let max_radius = max_radius.max(0.0);
+        if k == 0 || self.is_empty() {
+            return vec![0.0; self.len()];
         }
+        if self.len() <= k {
+            let diagonal = self.tree.bounds.size().length();
+            return vec![max_radius.min(diagonal); self.len()];
+        }
+        let mut radii = vec![0.0; self.len()];
+        radii
+            .par_chunks_mut(BLOCK)
+            .enumerate()
+            .for_each(|(i, block)| self.block_radii(i * BLOCK, k, max_radius, block));
         radii
     }
 
-    /// Radii of the photons from slot `start` on. Those close to each other in space have much the
-    /// same radius, so each search starts with that of the photon before.
+    /// Radii of the photons from slot `start` on; there are more than `k` photons. Those close to
+    /// each other in space have much the same radius, so each search starts with that of the photon
+    /// before.
     fn block_radii(&self, start: usize, k: usize, max_radius: f32, radii: &mut [f32]) {
-        let mut nearest = Nearest::new(k);
-        let mut before: Option<(Vec3, usize, f32)> = None;
+        // A photon finds itself, too.
+        let mut nearest = Nearest::new(k + 1);
+        let mut before: Option<(Vec3, f32)> = None;
         for (slot, radius) in (start..).zip(radii) {
-            let (center, medium) = (self.position(slot), self.medium_index(slot));
+            let center = self.position(slot);
             let mut search = |limit| {
-                let accept = |other| other != slot && self.medium_index(other) == medium;
-                self.nearest_below(center, limit, accept, &mut nearest);
-                let farthest = nearest.farthest().filter(|_| nearest.found().len() == k);
+                self.nearest_below(center, limit, &mut nearest);
+                let farthest = nearest.farthest().filter(|_| nearest.found().len() > k);
                 farthest.map(|farthest| farthest.distance_squared.sqrt())
             };
             let most = limit(max_radius);
             let found = match before {
-                Some((other, same, radius)) if same == medium => {
+                Some((other, radius)) => {
                     let guess = limit(GUESS * radius);
                     let again = || (guess < most).then(|| reach(center, other, radius).min(most));
                     search(guess.min(most)).or_else(|| again().and_then(search))
                 }
-                _ => search(most),
+                None => search(most),
             };
             *radius = found.map_or(max_radius, |found| found.min(max_radius));
-            before = Some((center, medium, *radius));
+            before = Some((center, *radius));
         }
     }
 }

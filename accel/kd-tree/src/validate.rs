@@ -33,9 +33,6 @@ pub enum BrokenTree {
     /// What follows the last photon would be found.
     #[error("a place after the last photon holds a position")]
     Padding,
-    /// Media are not in ascending order, or a photon names none of them.
-    #[error("the media are out of order, or a photon names one that does not exist")]
-    Media,
     /// A photon could not have been stored.
     #[error("in the order of slots, {0}")]
     Photon(#[from] BuildError),
@@ -49,15 +46,9 @@ impl<S: Spectrum> Photons<S> {
     /// What is wrong, as a sentence.
     pub fn validate(&self) -> Result<(), BrokenTree> {
         let len = self.len();
-        let several = if self.media.len() > 1 { len } else { 0 };
         check_length("directions", self.directions.len(), len)?;
         check_length("flux", self.flux.len(), len)?;
-        check_length("media of photons", self.medium_indices.len(), several)?;
         self.tree.validate()?;
-        let ordered = self.media.is_sorted_by(|a, b| a.0 < b.0);
-        if !ordered || !(0..len).all(|slot| self.medium_index(slot) < self.media.len()) {
-            return Err(BrokenTree::Media);
-        }
         (0..len).try_for_each(|slot| Ok(self.get(slot).check(slot)?))
     }
 }
@@ -122,16 +113,14 @@ mod tests {
     use crate::Photon;
     use crate::tree::Block;
     use glam::Vec3;
-    use tyndall_core::MediumId;
 
     fn photons() -> Photons<f32> {
         let photon = |i: u32| Photon {
             position: Vec3::new(i as f32, (7 * i % 101) as f32, (13 * i % 31) as f32),
             direction: Vec3::Z,
             flux: 1.0,
-            medium: MediumId(i % 3),
         };
-        Photons::build((0..101).map(photon).collect()).unwrap()
+        Photons::build(&(0..101).map(photon).collect::<Vec<_>>()).unwrap()
     }
 
     /// What is said of a tree that `damage` has changed.
@@ -152,7 +141,6 @@ mod tests {
         let short = |array| format!("the array of {array}");
         assert!(verdict(|p| p.flux.truncate(9)).starts_with(&short("flux")));
         assert!(verdict(|p| p.directions.truncate(9)).starts_with(&short("directions")));
-        assert!(verdict(|p| p.medium_indices.clear()).starts_with(&short("media of photons")));
         assert!(verdict(|p| p.tree.nodes.truncate(2)).starts_with(&short("nodes")));
         assert!(verdict(|p| p.tree.blocks.truncate(2)).starts_with(&short("positions")));
         assert!(verdict(|p| p.tree.layout = Layout::default()).starts_with(&short("leaves")));
@@ -181,7 +169,5 @@ mod tests {
     #[test]
     fn a_wrong_photon_is_caught() {
         assert!(verdict(|p| p.flux[4] = f32::NAN).contains("photon 4: the flux"));
-        assert!(verdict(|p| p.medium_indices[4] = 3).contains("media"));
-        assert!(verdict(|p| p.media.swap(0, 1)).contains("media"));
     }
 }

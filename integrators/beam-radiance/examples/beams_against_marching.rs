@@ -100,11 +100,13 @@ fn march(
 ) -> f32 {
     let step = END / steps as f32;
     let shift = sampler.next_1d();
-    let id = host.sensor_ray([0, 0], [0.5; 4]).medium;
+    let [(_, photons)] = &maps.volume[..] else {
+        panic!("one medium");
+    };
     let at = |i: u32| {
         let t = (i as f32 + shift) * step;
         let (p, wo) = (ray.at(t), -ray.direction);
-        let gathered = gather.medium(&maps.volume, p, wo, &host.medium, id);
+        let gathered = gather.medium(photons, p, wo, &host.medium);
         gathered.radiance * (-SIGMA_T * t).exp() * step
     };
     (0..steps).map(at).sum()

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use std::f32::consts::PI;
 use tyndall_bvh::{Discs, Quality};
 use tyndall_core::{MediumId, PassError, Ray, Spectrum};
-use tyndall_density::Chord;
+use tyndall_density::{Chord, RADII};
 use tyndall_kd_tree::Photons;
 
 use crate::options::unsupported;
@@ -45,14 +45,16 @@ pub(crate) struct Hit {
 }
 
 impl<S: Spectrum> PhotonDiscs<S> {
-    /// Of the photons in `slots`, all in `medium`; `radii` are those of all slots.
+    /// Of the photons in `medium`, but for those whose radii are out of bounds.
     pub(crate) fn build(
         medium: MediumId,
         photons: &Photons<S>,
-        slots: &[u32],
         radii: &[f32],
         blur: Blur,
     ) -> Result<Self, PassError> {
+        let slots: Vec<u32> = (0..photons.len() as u32)
+            .filter(|&slot| RADII.contains(&radii[slot as usize]))
+            .collect();
         let center = |&slot: &u32| photons.position(slot as usize);
         let centers: Vec<Vec3> = slots.par_iter().map(center).collect();
         let radius = |&slot: &u32| radii[slot as usize];

@@ -1,13 +1,12 @@
 //! What a pass prepares.
 
+use crate::BeamRadiance;
 use crate::discs::PhotonDiscs;
-use crate::options::{shrinkage, unsupported};
-use crate::{BeamRadiance, Blur};
+use crate::options::{Radii, shrinkage, unsupported};
 use rayon::prelude::*;
-use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU32, Ordering};
-use tyndall_core::{Aabb, MediumId, PassError, Spectrum};
-use tyndall_density::{Dimension, RADII, Schedule};
+use tyndall_core::{MediumId, PassError, Spectrum};
+use tyndall_density::{Dimension, Schedule};
 use tyndall_kd_tree::Photons;
 use tyndall_photons::{PhotonMaps, Search};
 
@@ -50,12 +49,23 @@ impl<S: Spectrum> Pass<S> {
             diffuse,
             volume,
         } = maps;
-        let radii = radii(config, &volume, shrink);
+        let (bounds, count, blur) = (
+            config.volume,
+            config.volume.count(paths, starting),
+            config.blur,
+        );
+        let discs = |(medium, photons): (MediumId, Photons<S>)| {
+            let radii = radii(bounds, count, &photons, shrink);
+            PhotonDiscs::build(medium, &photons, &radii, blur)
+        };
         Ok(Self {
             caustic,
             diffuse,
             search,
-            media: discs(&volume, &radii, config.blur)?,
+            media: volume
+                .into_par_iter()
+                .map(discs)
+                .collect::<Result<_, _>>()?,
             transmittance_error: AtomicU32::new(0),
         })
     }
@@ -92,54 +102,12 @@ impl<S: Spectrum> Pass<S> {
     }
 }
 
-/// The radius of every photon.
-fn radii<S: Spectrum, D>(config: &BeamRadiance<D>, photons: &Photons<S>, scale: f32) -> Vec<f32> {
-    let Some(radius) = config.volume.fixed else {
-        let count = config
-            .volume
-            .count(config.emission.paths, config.starting_paths);
-        let mut radii = photons.nearest_radii(count, config.volume.max);
-        bound_lonely(photons, &mut radii);
-        radii.par_iter_mut().for_each(|radius| *radius *= scale);
-        return radii;
-    };
-    vec![radius * scale; photons.len()]
-}
-
-/// Photons with too few others of their medium have an infinite radius: they take the diagonal of
-/// the box around these. One alone has no density, and no radius.
-fn bound_lonely<S: Spectrum>(photons: &Photons<S>, radii: &mut [f32]) {
-    let mut boxes = BTreeMap::new();
-    let lonely = || (0..photons.len()).filter(|&slot| radii[slot] == f32::INFINITY);
-    for slot in lonely() {
-        let around = boxes.entry(photons.medium(slot).0).or_insert(Aabb::EMPTY);
-        let p = photons.position(slot);
-        *around = around.union(Aabb { min: p, max: p });
+/// The radius of every photon of a medium. One alone has no density, and no radius.
+fn radii<S: Spectrum>(bounds: Radii, count: usize, photons: &Photons<S>, scale: f32) -> Vec<f32> {
+    if let Some(radius) = bounds.fixed {
+        return vec![radius * scale; photons.len()];
     }
-    for (slot, radius) in radii.iter_mut().enumerate() {
-        if *radius == f32::INFINITY {
-            let around = boxes[&photons.medium(slot).0];
-            *radius = around.min.distance(around.max);
-        }
-    }
-}
-
-/// The discs of every medium, in the order of ids.
-fn discs<S: Spectrum>(
-    photons: &Photons<S>,
-    radii: &[f32],
-    blur: Blur,
-) -> Result<Vec<PhotonDiscs<S>>, PassError> {
-    let mut slots: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
-    for (slot, radius) in radii.iter().enumerate() {
-        if RADII.contains(radius) {
-            let medium = photons.medium(slot).0;
-            slots.entry(medium).or_default().push(slot as u32);
-        }
-    }
-    let slots: Vec<_> = slots.into_iter().collect();
-    slots
-        .par_iter()
-        .map(|(medium, slots)| PhotonDiscs::build(MediumId(*medium), photons, slots, radii, blur))
-        .collect()
+    let mut radii = photons.nearest_radii(count, bounds.max);
+    radii.par_iter_mut().for_each(|radius| *radius *= scale);
+    radii
 }

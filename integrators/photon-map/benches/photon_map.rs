@@ -40,11 +40,14 @@ fn bench(c: &mut Criterion) {
             });
         }
         let maps = pass(&scene, &map);
-        let photons = maps.volume.len();
-        let volume: Vec<_> = (0..photons).map(|slot| maps.volume.get(slot)).collect();
+        let [(_, fog)] = &maps.volume[..] else {
+            panic!("the scene has one medium");
+        };
+        let photons = fog.len();
+        let volume: Vec<_> = (0..photons).map(|slot| fog.get(slot)).collect();
         group.throughput(Throughput::Elements(photons as u64));
         group.bench_function(BenchmarkId::new("photons built", photons), |b| {
-            b.iter(|| Photons::build(black_box(volume.clone())));
+            b.iter(|| Photons::build(black_box(&volume)));
         });
         let mut sampler = rng(1);
         group.throughput(Throughput::Elements(1));

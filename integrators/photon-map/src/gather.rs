@@ -43,13 +43,16 @@ impl<'p, H: Geometry + Shading + Media, D: DirectLight<H>> Gathering<'p, H, D> {
         wo: Vec3,
         sampler: &mut impl Sampler,
     ) -> H::Spectrum {
-        let gathered = (self.gather).medium(&self.maps.volume, position, wo, medium, id);
+        let gathered = match self.maps.in_medium(id) {
+            Some(photons) => (self.gather.medium(photons, position, wo, medium)).radiance,
+            None => H::Spectrum::default(),
+        };
         if D::BY_PHOTONS {
-            return gathered.radiance;
+            return gathered;
         }
         let sigma_s = medium.coefficients(position).sigma_s;
         if sigma_s.is_black() {
-            return gathered.radiance;
+            return gathered;
         }
         let phase = medium.phase(position);
         let direct = D::scattered(
@@ -60,7 +63,7 @@ impl<'p, H: Geometry + Shading + Media, D: DirectLight<H>> Gathering<'p, H, D> {
             |wi| sigma_s * phase.eval(wo, wi),
             sampler,
         );
-        gathered.radiance + direct
+        gathered + direct
     }
 }
 

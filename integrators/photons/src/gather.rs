@@ -2,7 +2,7 @@
 
 use crate::Search;
 use glam::Vec3;
-use tyndall_core::{Geometry, Medium, MediumId, Shading};
+use tyndall_core::{Geometry, Medium, Shading};
 use tyndall_density::{Kernel, SurfacePoint, in_scattered};
 use tyndall_kd_tree::{Nearest, Photons};
 
@@ -49,37 +49,30 @@ impl Gather {
             kernel,
             room,
         } = self;
-        search.visit(
-            photons,
-            center,
-            room,
-            |_| true,
-            |slot, distance_squared, radius| {
-                if !point.is_near(photons.position(slot) - center, radius) {
-                    return;
-                }
-                let (direction, flux) = (photons.direction(slot), photons.flux(slot));
-                let radiance = if sharp {
-                    point.radiance(direction, flux)
-                } else {
-                    point.smooth_radiance(direction, flux)
-                };
-                gathered.photons += 1;
-                gathered.radiance += radiance * kernel.weight_2d(distance_squared, radius);
-            },
-        );
+        search.visit(photons, center, room, |slot, distance_squared, radius| {
+            if !point.is_near(photons.position(slot) - center, radius) {
+                return;
+            }
+            let (direction, flux) = (photons.direction(slot), photons.flux(slot));
+            let radiance = if sharp {
+                point.radiance(direction, flux)
+            } else {
+                point.smooth_radiance(direction, flux)
+            };
+            gathered.photons += 1;
+            gathered.radiance += radiance * kernel.weight_2d(distance_squared, radius);
+        });
         gathered
     }
 
-    /// Radiance per scene unit that a medium scatters along `wo` of the photons in it: Σ p(wo, wi) αΦ K₃
-    /// (Jensen & Christensen 1998, eq. 10 …), over those in a ball around the point and in the same medium.
+    /// Radiance per scene unit that a medium scatters along `wo` of its `photons`: Σ p(wo, wi) αΦ K₃
+    /// (Jensen & Christensen 1998, eq. 10 …), over those in a ball around the point.
     pub fn medium<M: Medium>(
         &mut self,
         photons: &Photons<M::Spectrum>,
         position: Vec3,
         wo: Vec3,
         medium: &M,
-        id: MediumId,
     ) -> Gathered<M::Spectrum> {
         let mut gathered = Gathered::default();
         let phase = medium.phase(position);
@@ -88,18 +81,11 @@ impl Gather {
             kernel,
             room,
         } = self;
-        search.visit(
-            photons,
-            position,
-            room,
-            |slot| photons.medium(slot) == id,
-            |slot, distance_squared, radius| {
-                gathered.photons += 1;
-                let scattered =
-                    in_scattered(&phase, wo, photons.direction(slot), photons.flux(slot));
-                gathered.radiance += scattered * kernel.weight_3d(distance_squared, radius);
-            },
-        );
+        search.visit(photons, position, room, |slot, distance_squared, radius| {
+            gathered.photons += 1;
+            let scattered = in_scattered(&phase, wo, photons.direction(slot), photons.flux(slot));
+            gathered.radiance += scattered * kernel.weight_3d(distance_squared, radius);
+        });
         gathered
     }
 }

@@ -21,7 +21,8 @@
 //! light [`LightDirect`](tyndall_core::LightDirect).
 //!
 //! # Cost
-//! Linear in light paths; a photon takes 32 bytes in three channels, and 44 more while maps are built.
+//! Linear in light paths. A photon of three channels takes 29.5 bytes; 44 in the list of those found,
+//! which [`Emission::max_bytes`] bounds; and 40 on top of both while its map is built.
 //!
 //! # References
 //! - Henrik Wann Jensen (1996), "Global Illumination Using Photon Maps": the maps, final gathering.

@@ -1,7 +1,9 @@
 //! The photons of a pass.
 
+use std::collections::BTreeMap;
 use tyndall_core::{
-    Geometry, LightEmission, Media, PassContext, PassError, Shading, Spectrum, Streams, SurfaceKind,
+    Geometry, LightEmission, Media, MediumId, PassContext, PassError, Shading, Spectrum, Streams,
+    SurfaceKind,
 };
 use tyndall_kd_tree::{Photon, Photons};
 use tyndall_walk::{DirectLight, LightPaths, Route, Site, Vertex};
@@ -41,16 +43,18 @@ pub struct PhotonMaps<S> {
     pub caustic: Photons<S>,
     /// At surfaces, scattered before.
     pub diffuse: Photons<S>,
-    /// At collisions. Their flux is what the medium scatters: what arrives, times the albedo there.
-    pub volume: Photons<S>,
+    /// At collisions, a map for each medium that has any, in the order of ids. Their flux is what
+    /// the medium scatters: what arrives, times the albedo there.
+    pub volume: Vec<(MediumId, Photons<S>)>,
 }
 
 /// Which map a photon belongs to.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Map {
     Caustic,
     Diffuse,
-    Volume,
+    /// Of the medium of this number.
+    Volume(u32),
 }
 
 impl<S: Spectrum> PhotonMaps<S> {
@@ -80,16 +84,31 @@ impl<S: Spectrum> PhotonMaps<S> {
                 }
             });
         })?;
-        let map = |map| {
-            let photons = found.iter().flatten().filter(|(of, _)| *of == map);
-            Photons::build(photons.map(|(_, photon)| *photon).collect())
-                .map_err(|why| PassError::Unsupported(why.to_string()))
+        let mut lists: BTreeMap<Map, Vec<Photon<S>>> = BTreeMap::new();
+        for (map, photon) in found.into_iter().flatten() {
+            lists.entry(map).or_default().push(photon);
+        }
+        let mut maps = Self {
+            caustic: Photons::default(),
+            diffuse: Photons::default(),
+            volume: Vec::new(),
         };
-        Ok(Self {
-            caustic: map(Map::Caustic)?,
-            diffuse: map(Map::Diffuse)?,
-            volume: map(Map::Volume)?,
-        })
+        for (map, list) in lists {
+            let photons = Photons::build(&list);
+            let photons = photons.map_err(|why| PassError::Unsupported(why.to_string()))?;
+            match map {
+                Map::Caustic => maps.caustic = photons,
+                Map::Diffuse => maps.diffuse = photons,
+                Map::Volume(id) => maps.volume.push((MediumId(id), photons)),
+            }
+        }
+        Ok(maps)
+    }
+
+    /// The photons in a medium, if there are any.
+    pub fn in_medium(&self, id: MediumId) -> Option<&Photons<S>> {
+        let index = self.volume.binary_search_by_key(&id.0, |(id, _)| id.0);
+        index.ok().map(|i| &self.volume[i].1)
     }
 }
 
@@ -101,7 +120,10 @@ fn deposit<H: Geometry + Shading>(
     route: Route,
 ) -> Option<(Map, Photon<H::Spectrum>)> {
     let (map, flux) = match &vertex.site {
-        Site::Collision(coefficients) => (Map::Volume, arriving * coefficients.albedo()),
+        Site::Collision(coefficients) => {
+            let map = Map::Volume(vertex.medium.0);
+            (map, arriving * coefficients.albedo())
+        }
         Site::Surface(hit) if host.surface_kind(hit) != SurfaceKind::Finite => return None,
         Site::Surface(_) if route == Route::Diffuse => (Map::Diffuse, arriving),
         Site::Surface(_) => (Map::Caustic, arriving),
@@ -110,7 +132,6 @@ fn deposit<H: Geometry + Shading>(
         position: vertex.position,
         direction: -vertex.wo,
         flux,
-        medium: vertex.medium,
     };
     (!flux.is_black()).then_some((map, photon))
 }

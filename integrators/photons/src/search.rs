@@ -38,21 +38,18 @@ impl Search {
         photons: &Photons<S>,
         center: Vec3,
         room: &mut Nearest,
-        accept: impl Fn(usize) -> bool,
         mut visit: impl FnMut(usize, f32, f32),
     ) {
         match self {
             Self::Within(radius) => photons.within(center, radius, |slot, distance_squared| {
-                if accept(slot) {
-                    visit(slot, distance_squared, radius);
-                }
+                visit(slot, distance_squared, radius);
             }),
             Self::Nearest {
                 count,
                 max_radius,
                 shrink,
             } => {
-                photons.nearest(center, max_radius, accept, room);
+                photons.nearest(center, max_radius, room);
                 // The farthest is last. It is left out by its place, for its distance squared may
                 // round to either side of its radius squared.
                 let (radius, taken) = match room.found() {
@@ -66,7 +63,7 @@ impl Search {
                 let radius = shrink * radius;
                 for neighbour in taken {
                     if shrink == 1.0 || neighbour.distance_squared < radius * radius {
-                        visit(neighbour.slot, neighbour.distance_squared, radius);
+                        visit(neighbour.slot as usize, neighbour.distance_squared, radius);
                     }
                 }
             }

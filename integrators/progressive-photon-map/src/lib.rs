@@ -60,8 +60,8 @@
 //! error of the first pass that meets it.
 //!
 //! # Cost
-//! Memory: the photons of one pass, 32 bytes each in three channels and 44 more while maps are
-//! built, bounded by [`max_bytes`](ProgressivePhotonMap::max_bytes); and a [`Pixel`], 32 bytes.
+//! Memory: the photons of one pass, 29.5 bytes each in three channels; the list that maps are built of,
+//! 44 bytes a photon, is bounded by [`max_bytes`](ProgressivePhotonMap::max_bytes); and a [`Pixel`], 32 bytes.
 //! Time: linear in light paths, and a search a vertex of sight, ∝ the logarithm of the photons;
 //! the memoryless way looks for the nearest photons in every pass, statistics in the first alone.
 //!

@@ -5,7 +5,7 @@ use crate::reach::Room;
 use std::marker::PhantomData;
 use tyndall_core::{Geometry, HostTypes, Media, Medium, PhaseFunction, Sampler, Shading, Spectrum};
 use tyndall_density::{Kernel, SurfacePoint};
-use tyndall_photons::{Gather, Incident, PhotonMaps, Search, Sight};
+use tyndall_photons::{Gather, Gathered, Incident, PhotonMaps, Search, Sight};
 use tyndall_walk::{DirectLight, Event, Segment, Site, Vertex, Walk};
 
 /// The vertices of one walk.
@@ -81,21 +81,15 @@ where
             sampler,
         );
         let Self { maps, room, .. } = self;
-        let accept = |photons: &tyndall_kd_tree::Photons<H::Spectrum>, slot| {
-            photons.medium(slot) == vertex.medium
-        };
+        let photons = maps.in_medium(vertex.medium);
         let Some(radius) =
-            (self.media).radius(|reach| reach.around(position, &[&maps.volume], accept, room))
+            (self.media).radius(|reach| reach.around(position, photons.as_slice(), room))
         else {
             return direct;
         };
-        let gathered = Gather::new(Search::Within(radius), self.kernel).medium(
-            &maps.volume,
-            position,
-            wo,
-            medium,
-            vertex.medium,
-        );
+        let gathered = photons.map_or_else(Gathered::default, |photons| {
+            Gather::new(Search::Within(radius), self.kernel).medium(photons, position, wo, medium)
+        });
         self.media.found(gathered.photons);
         let per_collision = |radiance, sigma_t| match sigma_t {
             0.0 => 0.0, // the walk carries nothing in this channel
@@ -124,8 +118,8 @@ where
         );
         let Self { maps, room, .. } = self;
         let both = [&maps.caustic, &maps.diffuse];
-        let Some(radius) = (self.surfaces)
-            .radius(|reach| reach.around(point.position(), &both, |_, _| true, room))
+        let Some(radius) =
+            (self.surfaces).radius(|reach| reach.around(point.position(), &both, room))
         else {
             return direct;
         };

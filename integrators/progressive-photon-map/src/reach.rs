@@ -64,8 +64,8 @@ impl Reach {
         }
     }
 
-    /// The radius of the pass around `center`, among the photons of all `maps` that `accept` takes
-    /// (a map and a slot); `None` if nothing tells.
+    /// The radius of the pass around `center`, among the photons of all `maps`; `None` if nothing
+    /// tells.
     ///
     /// A density taken within it is unbiased where photons are spread evenly, though the photons
     /// themselves tell it: inside the distance of the k-th nearest, itself left out, the others lie
@@ -74,7 +74,6 @@ impl Reach {
         &self,
         center: Vec3,
         maps: &[&Photons<S>],
-        accept: impl Fn(&Photons<S>, usize) -> bool,
         room: &mut Room,
     ) -> Option<f32> {
         let photons = match self.start {
@@ -84,7 +83,7 @@ impl Reach {
         let dimension = f64::from(self.shrinkage.dimension().number());
         let wanted = photons * self.share * f64::from(self.scale).powf(dimension);
         let count = wanted.max(FEWEST).ceil() as usize;
-        let found = self.search(center, maps, accept, count, room);
+        let found = self.search(center, maps, count, room);
         let farthest = if found.len() >= count {
             *found.select_nth_unstable_by(count - 1, f32::total_cmp).1
         } else {
@@ -105,7 +104,6 @@ impl Reach {
         &self,
         center: Vec3,
         maps: &[&Photons<S>],
-        accept: impl Fn(&Photons<S>, usize) -> bool,
         count: usize,
         Room { nearest, found }: &'r mut Room,
     ) -> &'r mut [f32] {
@@ -114,8 +112,7 @@ impl Reach {
         }
         found.clear();
         for photons in maps {
-            let accept = |slot| accept(photons, slot);
-            photons.nearest(center, self.max_radius, accept, nearest);
+            photons.nearest(center, self.max_radius, nearest);
             found.extend(nearest.found().iter().map(|n| n.distance_squared));
         }
         found

@@ -2,7 +2,7 @@
 
 use crate::{photons_at, tree, uniform};
 use glam::Vec3;
-use tyndall_core::{MediumId, Rgb};
+use tyndall_core::{Aabb, Rgb};
 use tyndall_kd_tree::{Nearest, Photons};
 
 /// Squares of `f32` differences have relative errors of a few 2⁻²⁴.
@@ -23,10 +23,9 @@ fn distance(a: Vec3, b: Vec3) -> f64 {
     a.as_dvec3().distance(b.as_dvec3())
 }
 
-/// Distances of the accepted photons from `center`, ascending.
-fn distances(photons: &Photons<Rgb>, center: Vec3, accept: impl Fn(usize) -> bool) -> Vec<f64> {
+/// Distances of all photons from `center`, ascending.
+fn distances(photons: &Photons<Rgb>, center: Vec3) -> Vec<f64> {
     let mut distances: Vec<f64> = (0..photons.len())
-        .filter(|&slot| accept(slot))
         .map(|slot| distance(photons.position(slot), center))
         .collect();
     distances.sort_by(f64::total_cmp);
@@ -55,10 +54,9 @@ fn check_within(photons: &Photons<Rgb>, center: Vec3, radius: f32) {
 }
 
 fn check_nearest(photons: &Photons<Rgb>, center: Vec3, radius: f32, nearest: &mut Nearest) {
-    let odd = |slot: usize| photons.medium(slot) != MediumId(0);
-    photons.nearest(center, radius, odd, nearest);
+    photons.nearest(center, radius, nearest);
     let found = nearest.found();
-    let mut slots: Vec<usize> = found.iter().map(|n| n.slot).collect();
+    let mut slots: Vec<u32> = found.iter().map(|n| n.slot).collect();
     slots.sort_unstable();
     slots.dedup();
     assert_eq!(slots.len(), found.len(), "a photon was found twice");
@@ -68,7 +66,7 @@ fn check_nearest(photons: &Photons<Rgb>, center: Vec3, radius: f32, nearest: &mu
         nearest.farthest().map(|n| n.distance_squared),
         squared.last().copied()
     );
-    let mut expected = distances(photons, center, odd);
+    let mut expected = distances(photons, center);
     expected.retain(|&d| d <= f64::from(radius));
     expected.truncate(nearest.k());
     // One more or less may lie on the boundary.
@@ -79,20 +77,26 @@ fn check_nearest(photons: &Photons<Rgb>, center: Vec3, radius: f32, nearest: &mu
     for (found, expected) in squared.iter().zip(expected) {
         assert!((f64::from(*found).sqrt() - expected).abs() <= ROUNDING * expected);
     }
-    assert!(slots.iter().all(|&slot| odd(slot)));
+    for neighbour in found {
+        let exact = distance(photons.position(neighbour.slot as usize), center);
+        let found = f64::from(neighbour.distance_squared).sqrt();
+        assert!((found - exact).abs() <= ROUNDING * exact);
+    }
 }
 
 fn check_radii(photons: &Photons<Rgb>, k: usize, max_radius: f32) {
     let radii = photons.nearest_radii(k, max_radius);
     assert_eq!(radii.len(), photons.len());
+    let all = Aabb::of_points((0..photons.len()).map(|slot| photons.position(slot)));
     for (slot, radius) in radii.into_iter().enumerate() {
-        let same = |other| other != slot && photons.medium(other) == photons.medium(slot);
-        let others = distances(photons, photons.position(slot), same);
+        // The first is the photon itself.
+        let distances = distances(photons, photons.position(slot));
         let expected = match k {
             0 => 0.0,
-            _ => others
-                .get(k - 1)
-                .map_or(max_radius, |&d| max_radius.min(d as f32)),
+            _ => distances
+                .get(k)
+                .map_or(all.size().length(), |&d| d as f32)
+                .min(max_radius),
         };
         let exact = radius == expected;
         assert!(
@@ -105,7 +109,7 @@ fn check_radii(photons: &Photons<Rgb>, k: usize, max_radius: f32) {
 /// All queries on a scene of one size.
 fn check(positions: &[Vec3], scale: f32, origin: Vec3) {
     let positions: Vec<Vec3> = positions.iter().map(|&p| origin + scale * p).collect();
-    let photons = tree(photons_at(&positions, 3));
+    let photons = tree(&photons_at(&positions));
     let mut nearest = [0, 1, 7, 50, 3000].map(Nearest::new);
     let outside = origin + scale * Vec3::new(1.5, -0.5, 0.5);
     let centers = uniform(99, 4).into_iter().map(|p| origin + scale * p);
@@ -153,7 +157,7 @@ fn far_from_the_origin() {
     check(&uniform(3, 1000), 1e3, Vec3::splat(1e5));
 }
 
-/// Random scenes: sizes, sparse media and thin slabs.
+/// Random scenes: sizes and thin slabs.
 #[test]
 fn random_scenes() {
     for seed in 0..30 {

@@ -7,23 +7,22 @@ mod extremes;
 mod storage;
 
 use glam::Vec3;
-use tyndall_core::{MediumId, Rgb, Sampler};
+use tyndall_core::{Rgb, Sampler};
 use tyndall_kd_tree::{Photon, Photons};
 use tyndall_testkit::rng;
 
-/// Photons at these positions, in `media` media by turns; the flux tells their number.
-fn photons_at(positions: &[Vec3], media: usize) -> Vec<Photon<Rgb>> {
+/// Photons at these positions; the flux tells their number.
+fn photons_at(positions: &[Vec3]) -> Vec<Photon<Rgb>> {
     let photon = |(i, &position): (usize, &Vec3)| Photon {
         position,
         direction: Vec3::AXES[i % 3],
         flux: Rgb::new(i as f32, -(i as f32), 0.5),
-        medium: MediumId(10 * (i % media) as u32),
     };
     positions.iter().enumerate().map(photon).collect()
 }
 
 /// The tree, validated.
-fn tree(photons: Vec<Photon<Rgb>>) -> Photons<Rgb> {
+fn tree(photons: &[Photon<Rgb>]) -> Photons<Rgb> {
     let photons = Photons::build(photons).unwrap();
     assert_eq!(photons.validate(), Ok(()));
     photons

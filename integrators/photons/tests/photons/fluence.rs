@@ -39,7 +39,8 @@ fn measured<D: DirectLight<AnalyticHost<Homogeneous<Rgb>>>>(
         let maps = maps::<_, D>(host, pass, 5_000);
         assert!(maps.caustic.is_empty() && maps.diffuse.is_empty());
         let middle = host_position() + DISTANCE as f32 * Vec3::new(0.6, 0.0, 0.8);
-        let at = gather.medium(&maps.volume, middle, Vec3::X, &host.medium, inside(host));
+        let photons = maps.in_medium(inside(host)).expect("photons");
+        let at = gather.medium(photons, middle, Vec3::X, &host.medium);
         for (i, moments) in found.iter_mut().enumerate() {
             moments.push(f64::from(at.radiance.channel(i)));
         }

@@ -2,7 +2,7 @@
 
 use super::FALSE_ALARM;
 use glam::Vec3;
-use tyndall_core::{MediumId, Sampler};
+use tyndall_core::Sampler;
 use tyndall_density::Kernel;
 use tyndall_kd_tree::{Photon, Photons};
 use tyndall_photons::Search;
@@ -24,23 +24,16 @@ fn cube(count: usize, seed: u64) -> Photons<f32> {
         position: 2.0 * Vec3::from(sampler.next()) - 1.0,
         direction: Vec3::Z,
         flux: 1.0 / count as f32,
-        medium: MediumId::VACUUM,
     });
-    Photons::build(photons.collect()).expect("photons")
+    Photons::build(&photons.collect::<Vec<_>>()).expect("photons")
 }
 
 /// The density at the origin.
 fn density(photons: &Photons<f32>, search: Search, kernel: Kernel) -> f64 {
     let (mut sum, mut room) = (0.0, search.room());
-    search.visit(
-        photons,
-        Vec3::ZERO,
-        &mut room,
-        |_| true,
-        |slot, d2, radius| {
-            sum += f64::from(photons.flux(slot) * kernel.weight_3d(d2, radius));
-        },
-    );
+    search.visit(photons, Vec3::ZERO, &mut room, |slot, d2, radius| {
+        sum += f64::from(photons.flux(slot) * kernel.weight_3d(d2, radius));
+    });
     sum
 }
 

@@ -34,8 +34,9 @@ where
         Site::Collision(coefficients) => {
             let medium = host.medium(vertex.medium).expect("a medium");
             let phase = medium.phase(center);
-            for slot in 0..maps.volume.len() {
-                let photon = maps.volume.get(slot);
+            let there = maps.in_medium(vertex.medium).expect("photons");
+            for slot in 0..there.len() {
+                let photon = there.get(slot);
                 if photon.position.distance_squared(center) <= radius * radius {
                     let scattered = in_scattered(&phase, vertex.wo, photon.direction, photon.flux);
                     flux += f64::from(scattered / coefficients.sigma_t());
