@@ -16,10 +16,10 @@ impl<S: Spectrum> Photons<S> {
     /// `max_radius` if that is less: the pilot of the beam radiance estimate (Jarosz, Zwicker &
     /// Jensen 2008, "The beam radiance estimate for volumetric photon mapping").
     ///
-    /// Where there are no `k` others, it is the diagonal of the box around all, so that all radii
-    /// are finite even if `max_radius` is not. A `max_radius` that is negative or NaN counts as 0.
+    /// Where there are no `k` others it is `max_radius`, or if that is infinite the diagonal of the
+    /// box around all. A `max_radius` that is negative or NaN counts as 0.
     ///
-    /// A radius is 0 for `k` = 0, for a photon alone, and where more than `k` photons coincide, as
+    /// A radius is 0 for `k` = 0, for a photon alone if `max_radius` is infinite, and where more than `k` photons coincide, as
     /// they do far from the origin, where positions are rounded: there they have no density. What
     /// cannot use that may take the rounding of the position for the least radius:
     ///
@@ -49,8 +49,10 @@ impl<S: Spectrum> Photons<S> {
             return vec![0.0; self.len()];
         }
         if self.len() <= k {
-            let diagonal = self.tree.bounds.size().length();
-            return vec![max_radius.min(diagonal); self.len()];
+            let infinite = max_radius == f32::INFINITY;
+            let diagonal = || self.tree.bounds.size().length();
+            let radius = if infinite { diagonal() } else { max_radius };
+            return vec![radius; self.len()];
         }
         let mut radii = vec![0.0; self.len()];
         radii

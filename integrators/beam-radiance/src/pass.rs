@@ -102,7 +102,8 @@ impl<S: Spectrum> Pass<S> {
     }
 }
 
-/// The radius of every photon of a medium. One alone has no density, and no radius.
+/// The radius of every photon of a medium. One alone has no density, and
+/// no radius unless one is given.
 fn radii<S: Spectrum>(bounds: Radii, count: usize, photons: &Photons<S>, scale: f32) -> Vec<f32> {
     if let Some(radius) = bounds.fixed {
         return vec![radius * scale; photons.len()];

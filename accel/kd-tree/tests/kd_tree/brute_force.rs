@@ -88,6 +88,11 @@ fn check_radii(photons: &Photons<Rgb>, k: usize, max_radius: f32) {
     let radii = photons.nearest_radii(k, max_radius);
     assert_eq!(radii.len(), photons.len());
     let all = Aabb::of_points((0..photons.len()).map(|slot| photons.position(slot)));
+    let lonely = if max_radius == f32::INFINITY {
+        all.size().length()
+    } else {
+        max_radius
+    };
     for (slot, radius) in radii.into_iter().enumerate() {
         // The first is the photon itself.
         let distances = distances(photons, photons.position(slot));
@@ -95,8 +100,7 @@ fn check_radii(photons: &Photons<Rgb>, k: usize, max_radius: f32) {
             0 => 0.0,
             _ => distances
                 .get(k)
-                .map_or(all.size().length(), |&d| d as f32)
-                .min(max_radius),
+                .map_or(lonely, |&d| max_radius.min(d as f32)),
         };
         let exact = radius == expected;
         assert!(

@@ -84,7 +84,8 @@ fn bounds_of_radii() {
     all(0, 5.0, 0.0);
     all(20, 0.5, 0.5);
     all(20, f32::INFINITY, diagonal);
-    all(usize::MAX, 5.0, diagonal);
+    all(usize::MAX, 5.0, 5.0);
+    all(usize::MAX, f32::INFINITY, diagonal);
     all(3, 0.0, 0.0);
     all(3, -1.0, 0.0);
     all(3, f32::NAN, 0.0);
@@ -96,6 +97,7 @@ fn bounds_of_radii() {
     }
     let alone = tree(&photons_at(&[Vec3::ONE]));
     assert_eq!(alone.nearest_radii(1, f32::INFINITY), [0.0]);
+    assert_eq!(alone.nearest_radii(1, 5.0), [5.0]);
 }
 
 /// Fewer photons than are asked for must not make every search visit all: 4e10 visits would take
