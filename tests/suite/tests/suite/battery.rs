@@ -55,6 +55,8 @@ const LONG: Effort = Effort {
 };
 
 type Method = Box<dyn AnyIntegrator<Scene<Rgb>, PassStreams>>;
+/// A method with this radius and so many light paths a pass.
+type WithRadius = fn(f32, u64) -> Method;
 
 fn scene(name: &str) -> Scene<Rgb> {
     let path = format!("{}/scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
@@ -109,7 +111,7 @@ fn agree(name: &str, effort: Effort) -> Result<(), String> {
     } = effort;
     let path: Method = Box::new(Path::new());
     let reference = measure(&scene, &path, parts, (effort.reference, 1));
-    let methods: [(&str, fn(f32, u64) -> Method); 6] = [
+    let methods: [(&str, WithRadius); 6] = [
         ("photon_map", |r, paths| {
             Box::new(PhotonMap::new().paths(paths).radius(r))
         }),
