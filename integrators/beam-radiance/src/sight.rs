@@ -3,9 +3,7 @@
 use crate::Pass;
 use crate::gather::BeamGather;
 use std::marker::PhantomData;
-use tyndall_core::{
-    Anchor, Geometry, LightEmission, Media, Medium, PhaseFunction, Sampler, Shading, Spectrum,
-};
+use tyndall_core::{Geometry, LightEmission, Media, Sampler, Shading};
 use tyndall_density::SurfacePoint;
 use tyndall_photons::{Gather, Incident, Sight};
 use tyndall_walk::{DirectLight, Event, Segment, Site, Vertex, Walk};
@@ -17,38 +15,6 @@ pub(crate) struct Beams<'p, H: Geometry, D> {
     pub(crate) media: BeamGather<H::Spectrum>,
     pub(crate) surfaces: Gather,
     pub(crate) direct: PhantomData<D>,
-}
-
-impl<H, D> Beams<'_, H, D>
-where
-    H: Geometry + Shading + Media + LightEmission,
-    D: DirectLight<H>,
-{
-    /// What the medium scatters of light that has met nothing before, if photons do not bring it:
-    /// at the collision of one free flight.
-    fn unscattered(
-        &self,
-        medium: &H::Medium,
-        segment: &Segment<H>,
-        importance: H::Spectrum,
-        sampler: &mut impl Sampler,
-    ) -> H::Spectrum {
-        let flight = medium.sample_free_flight(&segment.ray, importance, sampler);
-        let Some(collision) = flight.collision else {
-            return H::Spectrum::default();
-        };
-        let (position, wo) = (segment.ray.at(collision.t), -segment.ray.direction);
-        let phase = medium.phase(position);
-        let scattered = D::scattered(
-            self.host,
-            &Anchor::Point(position),
-            position,
-            |_| segment.medium,
-            |wi| H::Spectrum::splat(phase.eval(wo, wi)),
-            sampler,
-        );
-        flight.weight * collision.coefficients.albedo() * scattered
-    }
 }
 
 impl<H, D> Sight<H> for Beams<'_, H, D>
@@ -69,10 +35,8 @@ where
             if let Some(photons) = self.pass.photons_in(segment.medium) {
                 radiance += self.media.along(photons, medium, ray, carried, sampler);
             }
-            if !D::BY_PHOTONS {
-                radiance += self.unscattered(medium, &segment, carried, sampler);
-            }
         }
+        radiance += D::along(self.host, &segment, walk.throughput, sampler);
         (radiance, walk.transmit(segment, sampler))
     }
 

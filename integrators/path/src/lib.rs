@@ -44,13 +44,13 @@ mod gather;
 
 pub use densities::{Densities, Mis, UnhittableLights};
 
-use gather::{Gather, Line};
+use gather::Gather;
 use std::marker::PhantomData;
 use tyndall_core::{
     Geometry, Integrator, LightDirect, Media, Medium, PassContext, PassError, Sampler, SensorRay,
     Shading, Spectrum, Streams,
 };
-use tyndall_walk::{Event, Site, Walk};
+use tyndall_walk::{Event, Line, Site, Walk};
 
 /// How often light may scatter *in media* between the light and the sensor; surfaces count apart.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

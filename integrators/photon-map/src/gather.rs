@@ -3,9 +3,7 @@
 use crate::PhotonMap;
 use glam::Vec3;
 use std::marker::PhantomData;
-use tyndall_core::{
-    Anchor, Geometry, Media, Medium, MediumId, PhaseFunction, Sampler, Shading, Spectrum,
-};
+use tyndall_core::{Geometry, Media, Medium, MediumId, PhaseFunction, Sampler, Shading, Spectrum};
 use tyndall_density::SurfacePoint;
 use tyndall_photons::{Gather, Incident, PhotonMaps, Sight};
 use tyndall_walk::{DirectLight, Event, Segment, Site, Vertex, Walk};
@@ -34,36 +32,19 @@ impl<'p, H: Geometry + Shading + Media, D: DirectLight<H>> Gathering<'p, H, D> {
         }
     }
 
-    /// Radiance per scene unit that the medium at `position` scatters towards `wo`.
+    /// Radiance per scene unit that the medium at `position` scatters towards `wo` of the light that
+    /// photons bring.
     fn in_scattered(
         &mut self,
         medium: &H::Medium,
         id: MediumId,
         position: Vec3,
         wo: Vec3,
-        sampler: &mut impl Sampler,
     ) -> H::Spectrum {
-        let gathered = match self.maps.in_medium(id) {
+        match self.maps.in_medium(id) {
             Some(photons) => (self.gather.medium(photons, position, wo, medium)).radiance,
             None => H::Spectrum::default(),
-        };
-        if D::BY_PHOTONS {
-            return gathered;
         }
-        let sigma_s = medium.coefficients(position).sigma_s;
-        if sigma_s.is_black() {
-            return gathered;
-        }
-        let phase = medium.phase(position);
-        let direct = D::scattered(
-            self.host,
-            &Anchor::Point(position),
-            position,
-            |_| id,
-            |wi| sigma_s * phase.eval(wo, wi),
-            sampler,
-        );
-        gathered + direct
     }
 }
 
@@ -84,10 +65,11 @@ impl<H: Geometry + Shading + Media, D: DirectLight<H>> Sight<H> for Gathering<'_
         };
         let (ray, id) = (segment.ray, segment.medium);
         let march = self.options.march;
-        let scattered = march.integrate(medium, &ray, walk.throughput, sampler, |t, sampler| {
-            self.in_scattered(medium, id, ray.at(t), -ray.direction, sampler)
+        let scattered = march.integrate(medium, &ray, walk.throughput, sampler, |t, _| {
+            self.in_scattered(medium, id, ray.at(t), -ray.direction)
         });
-        (scattered, walk.transmit(segment, sampler))
+        let direct = D::along(self.host, &segment, walk.throughput, sampler);
+        (scattered + direct, walk.transmit(segment, sampler))
     }
 
     /// What is scattered there per scene unit over σt, the density of collisions.
@@ -97,8 +79,17 @@ impl<H: Geometry + Shading + Media, D: DirectLight<H>> Sight<H> for Gathering<'_
         else {
             return H::Spectrum::default();
         };
-        let scattered =
-            self.in_scattered(medium, vertex.medium, vertex.position, vertex.wo, sampler);
+        let (position, wo, albedo) = (vertex.position, vertex.wo, coefficients.albedo());
+        let scattered = self.in_scattered(medium, vertex.medium, position, wo);
+        let phase = medium.phase(position);
+        let direct = D::scattered(
+            self.host,
+            &vertex.anchor(),
+            position,
+            |_| vertex.medium,
+            |wi| albedo * phase.eval(wo, wi),
+            sampler,
+        );
         // A channel that does not collide here carries nothing here.
         let over = |scattered, sigma_t| {
             if sigma_t > 0.0 {
@@ -107,7 +98,7 @@ impl<H: Geometry + Shading + Media, D: DirectLight<H>> Sight<H> for Gathering<'_
                 0.0
             }
         };
-        scattered.zip(coefficients.sigma_t(), over)
+        direct + scattered.zip(coefficients.sigma_t(), over)
     }
 
     fn surface(

@@ -3,7 +3,8 @@
 //! [`Walk`] is the state machine that every method of Tyndall shares: it crosses boundaries
 //! between media, passes null surfaces without counting them as bounces, samples free flights and
 //! scatterings, and plays Russian roulette. It estimates nothing. [`Connection`] is what lies
-//! between two given points. [`equiangular`] samples points on a segment seen from a pivot.
+//! between two given points. [`equiangular`] samples points on a segment seen from a pivot; a
+//! [`Line`] weights them against free flight.
 //! [`LightPaths`] emits and traces the light paths of a pass, and a [`Route`] says what their light
 //! has met; [`DirectLight`] is the choice of who finds that which has met nothing.
 //!
@@ -16,9 +17,11 @@ mod connection;
 mod direct;
 pub mod equiangular;
 mod light;
+mod line;
 mod walk;
 
 pub use connection::Connection;
 pub use direct::{ByPhotons, BySampling, DirectLight};
 pub use light::{LightPaths, Route};
+pub use line::{Collided, Line, LinePoint, power_heuristic};
 pub use walk::{Event, Scattered, Segment, Site, Vertex, Walk};
