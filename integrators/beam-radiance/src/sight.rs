@@ -6,7 +6,7 @@ use std::marker::PhantomData;
 use tyndall_core::{Geometry, LightEmission, Media, Sampler, Shading};
 use tyndall_density::SurfacePoint;
 use tyndall_photons::{Gather, Incident, Sight};
-use tyndall_walk::{DirectLight, Event, Segment, Site, Vertex, Walk};
+use tyndall_walk::{DirectLight, Event, Segment, Vertex, Walk};
 
 /// What is gathered along one walk of sight.
 pub(crate) struct Beams<'p, H: Geometry, D> {
@@ -22,6 +22,8 @@ where
     H: Geometry + Shading + Media + LightEmission,
     D: DirectLight<H>,
 {
+    type Direct = D;
+
     fn segment(
         &mut self,
         walk: &mut Walk<'_, H>,
@@ -45,29 +47,12 @@ where
         H::Spectrum::default()
     }
 
-    fn surface(
-        &mut self,
-        vertex: &Vertex<H>,
-        point: &SurfacePoint<'_, H>,
-        light: Incident,
-        sampler: &mut impl Sampler,
-    ) -> H::Spectrum {
-        let Site::Surface(hit) = &vertex.site else {
-            return H::Spectrum::default();
-        };
-        let direct = D::scattered(
-            self.host,
-            &vertex.anchor(),
-            vertex.position,
-            |wi| self.host.medium_across(hit, wi, vertex.medium),
-            |wi| point.scattered(wi),
-            sampler,
-        );
+    fn surface(&mut self, point: &SurfacePoint<'_, H>, light: Incident) -> H::Spectrum {
         let mut gather = |photons, sharp| self.surfaces.surface(photons, point, sharp).radiance;
-        let unscattered = direct + gather(&self.pass.caustic, true);
+        let caustic = gather(&self.pass.caustic, true);
         match light {
-            Incident::Unscattered => unscattered,
-            Incident::All => unscattered + gather(&self.pass.diffuse, false),
+            Incident::Unscattered => caustic,
+            Incident::All => caustic + gather(&self.pass.diffuse, false),
         }
     }
 }

@@ -49,6 +49,8 @@ impl<'p, H: Geometry + Shading + Media, D: DirectLight<H>> Gathering<'p, H, D> {
 }
 
 impl<H: Geometry + Shading + Media, D: DirectLight<H>> Sight<H> for Gathering<'_, H, D> {
+    type Direct = D;
+
     /// Marches; but of walks that were spread each flies to one collision, for there are many.
     fn segment(
         &mut self,
@@ -101,38 +103,12 @@ impl<H: Geometry + Shading + Media, D: DirectLight<H>> Sight<H> for Gathering<'_
         direct + scattered.zip(coefficients.sigma_t(), over)
     }
 
-    fn surface(
-        &mut self,
-        vertex: &Vertex<H>,
-        point: &SurfacePoint<'_, H>,
-        light: Incident,
-        sampler: &mut impl Sampler,
-    ) -> H::Spectrum {
-        let Site::Surface(hit) = &vertex.site else {
-            return H::Spectrum::default();
-        };
-        let caustic = self
-            .gather
-            .surface(&self.maps.caustic, point, true)
-            .radiance;
-        let direct = D::scattered(
-            self.host,
-            &vertex.anchor(),
-            vertex.position,
-            |wi| self.host.medium_across(hit, wi, vertex.medium),
-            |wi| point.scattered(wi),
-            sampler,
-        );
-        let unscattered = caustic + direct;
+    fn surface(&mut self, point: &SurfacePoint<'_, H>, light: Incident) -> H::Spectrum {
+        let Self { maps, gather, .. } = self;
+        let caustic = gather.surface(&maps.caustic, point, true).radiance;
         match light {
-            Incident::Unscattered => unscattered,
-            Incident::All => {
-                unscattered
-                    + self
-                        .gather
-                        .surface(&self.maps.diffuse, point, false)
-                        .radiance
-            }
+            Incident::Unscattered => caustic,
+            Incident::All => caustic + gather.surface(&maps.diffuse, point, false).radiance,
         }
     }
 

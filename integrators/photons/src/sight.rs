@@ -3,10 +3,13 @@
 use glam::Vec3;
 use tyndall_core::{Geometry, Media, Medium, Sampler, SensorRay, Shading, Spectrum, SurfaceKind};
 use tyndall_density::SurfacePoint;
-use tyndall_walk::{Event, Segment, Site, Vertex, Walk};
+use tyndall_walk::{DirectLight, Event, Segment, Site, Vertex, Walk};
 
 /// What a method estimates along a walk of sight.
 pub trait Sight<H: Geometry + Shading> {
+    /// Who finds the light that nothing has scattered.
+    type Direct: DirectLight<H>;
+
     /// The radiance that the medium of a segment scatters towards its start, per unit of what the
     /// walk carries into it, and how the walk goes on from there. `spread` is whether the walk has
     /// been scattered into one of many directions before.
@@ -22,14 +25,8 @@ pub trait Sight<H: Geometry + Shading> {
     /// ends here.
     fn collision(&mut self, vertex: &Vertex<H>, sampler: &mut impl Sampler) -> H::Spectrum;
 
-    /// The radiance that a surface scatters back.
-    fn surface(
-        &mut self,
-        vertex: &Vertex<H>,
-        point: &SurfacePoint<'_, H>,
-        light: Incident,
-        sampler: &mut impl Sampler,
-    ) -> H::Spectrum;
+    /// The radiance that a surface scatters back of the light that photons bring.
+    fn surface(&mut self, point: &SurfacePoint<'_, H>, light: Incident) -> H::Spectrum;
 
     /// Walks that find the light scattered before, where the first surface scatters into many
     /// directions: final gathering. None if that light is gathered there.
@@ -77,11 +74,11 @@ struct State {
 }
 
 /// The radiance that `walk` finds, times what it carries.
-fn follow<'h, H: Geometry + Shading + Media>(
+fn follow<'h, H: Geometry + Shading + Media, V: Sight<H>>(
     host: &'h H,
     mut walk: Walk<'h, H>,
     State { mut spread, walks }: State,
-    sight: &mut impl Sight<H>,
+    sight: &mut V,
     sampler: &mut impl Sampler,
 ) -> H::Spectrum {
     let mut radiance = H::Spectrum::default();
@@ -118,7 +115,15 @@ fn follow<'h, H: Geometry + Shading + Media>(
         } else {
             Incident::All
         };
-        radiance += walk.throughput * sight.surface(&vertex, &point, light, sampler);
+        let direct = V::Direct::scattered(
+            host,
+            &vertex.anchor(),
+            vertex.position,
+            |wi| host.medium_across(hit, wi, vertex.medium),
+            |wi| point.scattered(wi),
+            sampler,
+        );
+        radiance += walk.throughput * (direct + sight.surface(&point, light));
         if gathers {
             for _ in 0..walks {
                 let mut onward = walk.clone();

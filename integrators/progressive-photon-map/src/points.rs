@@ -50,6 +50,8 @@ where
     H: Geometry + Shading + Media,
     D: DirectLight<H>,
 {
+    type Direct = D;
+
     /// Flies: what the medium scatters is gathered at the collision.
     fn segment(
         &mut self,
@@ -98,36 +100,19 @@ where
         direct + (gathered.radiance).zip(coefficients.sigma_t(), per_collision)
     }
 
-    fn surface(
-        &mut self,
-        vertex: &Vertex<H>,
-        point: &SurfacePoint<'_, H>,
-        _: Incident,
-        sampler: &mut impl Sampler,
-    ) -> H::Spectrum {
-        let Site::Surface(hit) = &vertex.site else {
-            return H::Spectrum::default();
-        };
-        let direct = D::scattered(
-            self.host,
-            &vertex.anchor(),
-            vertex.position,
-            |wi| self.host.medium_across(hit, wi, vertex.medium),
-            |wi| point.scattered(wi),
-            sampler,
-        );
+    fn surface(&mut self, point: &SurfacePoint<'_, H>, _: Incident) -> H::Spectrum {
         let Self { maps, room, .. } = self;
         let both = [&maps.caustic, &maps.diffuse];
         let Some(radius) =
             (self.surfaces).radius(|reach| reach.around(point.position(), &both, room))
         else {
-            return direct;
+            return H::Spectrum::default();
         };
         let mut gather = Gather::new(Search::Within(radius), self.kernel);
         let caustic = gather.surface(&maps.caustic, point, true);
         let diffuse = gather.surface(&maps.diffuse, point, false);
         self.surfaces.found(caustic.photons);
         self.surfaces.found(diffuse.photons);
-        direct + caustic.radiance + diffuse.radiance
+        caustic.radiance + diffuse.radiance
     }
 }

@@ -2,6 +2,7 @@
 
 use super::{FALSE_ALARM, maps};
 use glam::Vec3;
+use std::marker::PhantomData;
 use std::path::Path;
 use tyndall_core::{MediumId, Ray, Rgb, Sampler, SensorRay, Spectrum};
 use tyndall_density::{Kernel, SurfacePoint};
@@ -24,15 +25,16 @@ fn scene(text: &str) -> Scene<Rgb> {
 }
 
 /// Gathers photons of surfaces alone.
-struct Surfaces<'a> {
-    host: &'a Scene<Rgb>,
+struct Surfaces<'a, D> {
     maps: &'a PhotonMaps<Rgb>,
     gather: Gather,
     final_gather: u32,
-    samples_lights: bool,
+    direct: PhantomData<D>,
 }
 
-impl Sight<Scene<Rgb>> for Surfaces<'_> {
+impl<D: DirectLight<Scene<Rgb>>> Sight<Scene<Rgb>> for Surfaces<'_, D> {
+    type Direct = D;
+
     fn segment(
         &mut self,
         walk: &mut Walk<'_, Scene<Rgb>>,
@@ -47,32 +49,13 @@ impl Sight<Scene<Rgb>> for Surfaces<'_> {
         unreachable!("segments transmit")
     }
 
-    fn surface(
-        &mut self,
-        vertex: &Vertex<Scene<Rgb>>,
-        point: &SurfacePoint<'_, Scene<Rgb>>,
-        light: Incident,
-        sampler: &mut impl Sampler,
-    ) -> Rgb {
+    fn surface(&mut self, point: &SurfacePoint<'_, Scene<Rgb>>, light: Incident) -> Rgb {
         let mut on = |photons: &Photons<Rgb>, sharp| self.gather.surface(photons, point, sharp);
         let caustic = on(&self.maps.caustic, true).radiance;
-        let scattered = match light {
-            Incident::All => on(&self.maps.diffuse, false).radiance,
-            Incident::Unscattered => Rgb::default(),
-        };
-        let direct = if self.samples_lights {
-            BySampling::scattered(
-                self.host,
-                &vertex.anchor(),
-                vertex.position,
-                |_| MediumId::VACUUM,
-                |wi| point.scattered(wi),
-                sampler,
-            )
-        } else {
-            Rgb::default()
-        };
-        caustic + scattered + direct
+        match light {
+            Incident::All => caustic + on(&self.maps.diffuse, false).radiance,
+            Incident::Unscattered => caustic,
+        }
     }
 
     fn final_gather(&self) -> u32 {
@@ -91,11 +74,10 @@ fn measured<D: DirectLight<Scene<Rgb>>>(
     for pass in 0..passes {
         let maps = maps::<_, D>(host, pass, paths);
         let mut surfaces = Surfaces {
-            host,
             maps: &maps,
             gather: Gather::new(search, Kernel::Epanechnikov),
             final_gather,
-            samples_lights: !D::BY_PHOTONS,
+            direct: PhantomData::<D>,
         };
         let mut sampler = rng(pass);
         let seen = (0..RAYS).map(|i| {
@@ -199,7 +181,7 @@ fn mirrors_and_coats() {
 }
 
 #[test]
-#[ignore = "long: a minute of photons, for few arrive from directions that are sharp"]
+#[ignore = "long: cargo test -p tyndall-photons -- --ignored"]
 fn what_is_nearly_specular() {
     white_in_the_furnace("glossy", (300, 32_000));
 }

@@ -193,7 +193,7 @@ macro_rules! scenes {
             use super::*;
             $(
                 #[test]
-                #[ignore = "long: minutes of one core"]
+                #[ignore = "long: cargo test -p tyndall-suite in_detail -- --ignored"]
                 fn $name() -> Result<(), String> {
                     agree(stringify!($name), LONG)
                 }
