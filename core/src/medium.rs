@@ -176,7 +176,7 @@ pub trait Medium: Send + Sync {
     /// gaps are empty. Stops when `visit` breaks.
     fn majorants(&self, ray: &Ray, visit: impl FnMut(Majorant) -> ControlFlow<()>);
 
-    /// The coefficients if they are the same everywhere, for closed forms.
+    /// The coefficients if they and the phase function are the same everywhere, for closed forms.
     fn homogeneous(&self) -> Option<Coefficients<Self::Spectrum>>;
 }
 

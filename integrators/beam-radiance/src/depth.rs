@@ -9,9 +9,6 @@ pub(crate) const OPAQUE: f32 = 87.0;
 const LEVELS: u32 = 16;
 /// Knots of a table.
 const KNOTS: usize = 1 << 14;
-/// Optical depth that is added to that of a piece to get its share of the error: those that are
-/// almost empty need no relative precision.
-const FLOOR: f64 = 1.0 / 1024.0;
 
 /// Optical depth up to every distance of a ray, a parabola between knots.
 ///
@@ -20,8 +17,10 @@ const FLOOR: f64 = 1.0 / 1024.0;
 /// halves with Simpson's rule (Press et al. 2007, §4.2), and until σt is almost linear in them.
 ///
 /// # Error
-/// For a transmittance off by no more than ε, a piece of depth Δτ may be off by ε/2·Δτ, and the
-/// depth between two knots by ε/(2 Tr): together |ΔTr| ≤ Tr·(ε/2·τ + ε/(2 Tr)) ≤ ε, for τ·e^−τ < 1.
+/// For a transmittance off by no more than ε, a piece of depth Δτ on the share s of the ray may be
+/// off by ε/2·(Δτ + s), for those that are almost empty need no relative precision, and the depth
+/// between two knots by ε/(2 Tr): together |ΔTr| ≤ Tr·(ε/2·(τ + 1) + ε/(2 Tr)) ≤ ε, for
+/// (τ + 1)·e^−τ ≤ 1.
 /// What is reported is the largest such sum of the estimates, where halving ended. Estimates are
 /// differences of two rules, doubled, since at kinks they may agree by chance; and no less than ε/2
 /// is ever reported where anything was sampled, since below what was asked for they mean little. What lies
@@ -36,6 +35,8 @@ pub struct DepthTable<S> {
     /// Steps a unit.
     steps: f32,
     is_grey: bool,
+    /// Of the ray.
+    length: f64,
     /// Depth of every channel up to the last knot, and the error of that.
     depth: Vec<[f64; 2]>,
     error: f64,
@@ -68,6 +69,7 @@ impl<S> Default for DepthTable<S> {
             guide: Vec::new(),
             steps: 0.0,
             is_grey: true,
+            length: 0.0,
             depth: Vec::new(),
             error: 0.0,
         }
@@ -87,6 +89,7 @@ impl<S: Spectrum> DepthTable<S> {
         self.depth.clear();
         self.depth.resize(S::CHANNELS, [0.0; 2]);
         (self.is_grey, self.error) = (true, 0.0);
+        self.length = f64::from(ray.t_max);
         medium.majorants(ray, |stretch| self.stretch(medium, ray, stretch, max_error));
         if self.knots.is_empty() {
             self.knot(0.0, S::default(), S::default());
@@ -175,10 +178,11 @@ impl<S: Spectrum> DepthTable<S> {
             let [first, second] = halves.map(|half| half.depth(i));
             [before - first, behind - second].map(|off| 2.0 * off.abs())
         };
+        let share = (end - start) / self.length;
         let fine = self.depth.iter().enumerate().all(|(i, [depth, _])| {
             let [first, second] = halves.map(|half| half.depth(i));
             let bend = halves[0].bend(i).max(halves[1].bend(i));
-            off(i).iter().sum::<f64>() <= 0.5 * max_error * (first + second + FLOOR)
+            off(i).iter().sum::<f64>() <= 0.5 * max_error * (first + second + share)
                 && bend * (-depth).exp() <= 0.5 * max_error
         });
         let [from, half, to] = [start, middle, end].map(|t| t as f32);

@@ -29,10 +29,12 @@
 //!
 //! # Bias and variance
 //! A radius blurs light over it: the bias is ∝ r². Within r of the boundary of a medium it is ∝ r,
-//! for there are photons on one side alone, and light is lost. With the default α the squared
+//! for there are photons on one side alone, and light is lost (or leaks, from the same medium behind
+//! a thin wall). With the default α the squared
 //! error falls fastest with passes, the error as n^−1/3: with discs, and with balls too, for their
 //! variance along a ray is ∝ 1/r² as well (measured: shrunk as three dimensions would, n^−0.36 while
-//! noise rules and n^−2/7 in the end). It does not depend on how the paths are cut into passes. `alpha(1)` keeps the blur for less noise.
+//! noise rules and n^−2/7 in the end). It does not depend on how the paths are cut into passes. `alpha(1)` keeps the
+//! blur for less noise.
 //!
 //! In media that are not the same everywhere, [`Transmittance::Table`] adds a bias no larger than
 //! its `max_error`, reported by [`Pass::transmittance_error`]; [`Transmittance::Tracking`] adds

@@ -43,7 +43,7 @@ where
     }
 
     /// Segments are gathered whole and crossed: no walk collides.
-    fn collision(&mut self, _: &Vertex<H>, _: &mut impl Sampler) -> H::Spectrum {
+    fn collision(&mut self, _: &H::Medium, _: &Vertex<H>) -> H::Spectrum {
         H::Spectrum::default()
     }
 

@@ -1,12 +1,11 @@
 //! What is gathered along a walk of sight.
 
 use crate::PhotonMap;
-use glam::Vec3;
 use std::marker::PhantomData;
-use tyndall_core::{Geometry, Media, Medium, MediumId, PhaseFunction, Sampler, Shading, Spectrum};
+use tyndall_core::{Geometry, Media, Sampler, Shading};
 use tyndall_density::SurfacePoint;
 use tyndall_photons::{Gather, Incident, PhotonMaps, Sight};
-use tyndall_walk::{DirectLight, Event, Segment, Site, Vertex, Walk};
+use tyndall_walk::{DirectLight, Event, Segment, Vertex, Walk};
 
 /// The photons of a pass, and how they are gathered.
 pub(crate) struct Gathering<'p, H: Geometry + Shading + Media, D> {
@@ -31,21 +30,6 @@ impl<'p, H: Geometry + Shading + Media, D: DirectLight<H>> Gathering<'p, H, D> {
             direct: PhantomData,
         }
     }
-
-    /// Radiance per scene unit that the medium at `position` scatters towards `wo` of the light that
-    /// photons bring.
-    fn in_scattered(
-        &mut self,
-        medium: &H::Medium,
-        id: MediumId,
-        position: Vec3,
-        wo: Vec3,
-    ) -> H::Spectrum {
-        match self.maps.in_medium(id) {
-            Some(photons) => (self.gather.medium(photons, position, wo, medium)).radiance,
-            None => H::Spectrum::default(),
-        }
-    }
 }
 
 impl<H: Geometry + Shading + Media, D: DirectLight<H>> Sight<H> for Gathering<'_, H, D> {
@@ -62,45 +46,27 @@ impl<H: Geometry + Shading + Media, D: DirectLight<H>> Sight<H> for Gathering<'_
         if spread {
             return (H::Spectrum::default(), walk.fly(segment, sampler));
         }
-        let Some(medium) = self.host.medium(segment.medium) else {
-            return (H::Spectrum::default(), walk.transmit(segment, sampler));
-        };
-        let (ray, id) = (segment.ray, segment.medium);
-        let march = self.options.march;
-        let scattered = march.integrate(medium, &ray, walk.throughput, sampler, |t, _| {
-            self.in_scattered(medium, id, ray.at(t), -ray.direction)
-        });
-        let direct = D::along(self.host, &segment, walk.throughput, sampler);
-        (scattered + direct, walk.transmit(segment, sampler))
+        let Self {
+            host, maps, gather, ..
+        } = self;
+        let (ray, id) = (&segment.ray, segment.medium);
+        let mut radiance = D::along(*host, &segment, walk.throughput, sampler);
+        if let (Some(medium), Some(photons)) = (host.medium(id), maps.in_medium(id)) {
+            let march = self.options.march;
+            radiance += march.integrate(medium, ray, walk.throughput, sampler, |t, _| {
+                let gathered = gather.medium(photons, ray.at(t), -ray.direction, medium);
+                gathered.radiance
+            });
+        }
+        (radiance, walk.transmit(segment, sampler))
     }
 
-    /// What is scattered there per scene unit over σt, the density of collisions.
-    fn collision(&mut self, vertex: &Vertex<H>, sampler: &mut impl Sampler) -> H::Spectrum {
-        let (Site::Collision(coefficients), Some(medium)) =
-            (&vertex.site, self.host.medium(vertex.medium))
-        else {
+    fn collision(&mut self, medium: &H::Medium, vertex: &Vertex<H>) -> H::Spectrum {
+        let Some(photons) = self.maps.in_medium(vertex.medium) else {
             return H::Spectrum::default();
         };
-        let (position, wo, albedo) = (vertex.position, vertex.wo, coefficients.albedo());
-        let scattered = self.in_scattered(medium, vertex.medium, position, wo);
-        let phase = medium.phase(position);
-        let direct = D::scattered(
-            self.host,
-            &vertex.anchor(),
-            position,
-            |_| vertex.medium,
-            |wi| albedo * phase.eval(wo, wi),
-            sampler,
-        );
-        // A channel that does not collide here carries nothing here.
-        let over = |scattered, sigma_t| {
-            if sigma_t > 0.0 {
-                scattered / sigma_t
-            } else {
-                0.0
-            }
-        };
-        direct + scattered.zip(coefficients.sigma_t(), over)
+        let gathered = (self.gather).medium(photons, vertex.position, vertex.wo, medium);
+        gathered.radiance
     }
 
     fn surface(&mut self, point: &SurfacePoint<'_, H>, light: Incident) -> H::Spectrum {

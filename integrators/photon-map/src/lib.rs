@@ -28,7 +28,8 @@
 //! `k`-th photon, which only says how far the kernel reaches, is left out.
 //!
 //! Kernels lose the energy that they spread beyond a boundary: up to half of the multiple
-//! scattering next to a flat one, over a radius. Marching is unbiased: halving its steps changes no
+//! scattering next to a flat one, over a radius; and they let light through walls thinner than a
+//! radius where the same medium is behind. Marching is unbiased: halving its steps changes no
 //! mean.
 //!
 //! # Promised ranges
@@ -37,8 +38,7 @@
 //! NaN; where no photons are found it is black but for what is sampled or seen directly.
 //!
 //! # What it does not handle well
-//! Light through fog from a lamp in it, sampled: noise close to the lamp, for points are not drawn
-//! to it. Thin media lit by a narrow beam: few points of a march fall into it. Nearly specular
+//! Thin media lit by a narrow beam: few points of a march fall into it. Nearly specular
 //! surfaces gather what comes from their sharp directions by walks, one a sample. Light that media
 //! emit is seen, but does not light its surroundings.
 //!
@@ -104,8 +104,9 @@ impl PhotonMap<ByPhotons> {
 }
 
 impl PhotonMap<BySampling> {
-    /// Light that nothing has scattered is found by one light sample a point: sharp shadows and
-    /// beams, for one connection a step.
+    /// Light that nothing has scattered is found by sampling the lights, once a surface and once a
+    /// segment in a medium, near to the light where the host tells a
+    /// [`pivot`](tyndall_core::LightDirect::pivot): sharp shadows and beams.
     pub fn sampling_lights() -> Self {
         Self::default()
     }

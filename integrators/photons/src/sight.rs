@@ -1,12 +1,15 @@
 //! The walk of sight that photon methods share.
 
 use glam::Vec3;
-use tyndall_core::{Geometry, Media, Medium, Sampler, SensorRay, Shading, Spectrum, SurfaceKind};
+use tyndall_core::{
+    Coefficients, Geometry, Media, Medium, PhaseFunction, Sampler, SensorRay, Shading, Spectrum,
+    SurfaceKind,
+};
 use tyndall_density::SurfacePoint;
 use tyndall_walk::{DirectLight, Event, Segment, Site, Vertex, Walk};
 
 /// What a method estimates along a walk of sight.
-pub trait Sight<H: Geometry + Shading> {
+pub trait Sight<H: Geometry + Shading + Media> {
     /// Who finds the light that nothing has scattered.
     type Direct: DirectLight<H>;
 
@@ -21,9 +24,9 @@ pub trait Sight<H: Geometry + Shading> {
         sampler: &mut impl Sampler,
     ) -> (H::Spectrum, Event<H>);
 
-    /// The radiance scattered where the walk collided, per unit of what it carried there. The walk
-    /// ends here.
-    fn collision(&mut self, vertex: &Vertex<H>, sampler: &mut impl Sampler) -> H::Spectrum;
+    /// The radiance per scene unit that `medium` scatters back, where a walk collided with it, of
+    /// the light that photons bring. The walk ends here.
+    fn collision(&mut self, medium: &H::Medium, vertex: &Vertex<H>) -> H::Spectrum;
 
     /// The radiance that a surface scatters back of the light that photons bring.
     fn surface(&mut self, point: &SurfacePoint<'_, H>, light: Incident) -> H::Spectrum;
@@ -98,9 +101,13 @@ fn follow<'h, H: Geometry + Shading + Media, V: Sight<H>>(
             Event::Escape(_) => break,
             Event::Scattering(vertex) => vertex,
         };
-        let Site::Surface(hit) = &vertex.site else {
-            radiance += walk.throughput * sight.collision(&vertex, sampler);
-            break;
+        let hit = match &vertex.site {
+            Site::Surface(hit) => hit,
+            Site::Collision(coefficients) => {
+                radiance +=
+                    walk.throughput * collided(host, &vertex, *coefficients, sight, sampler);
+                break;
+            }
         };
         if host.surface_kind(hit) != SurfaceKind::Finite {
             match walk.scatter(&vertex, sampler) {
@@ -124,7 +131,7 @@ fn follow<'h, H: Geometry + Shading + Media, V: Sight<H>>(
             sampler,
         );
         radiance += walk.throughput * (direct + sight.surface(&point, light));
-        if gathers {
+        if gathers && walks > 1 {
             for _ in 0..walks {
                 let mut onward = walk.clone();
                 if let Some(scattered) = onward.scatter(&vertex, sampler) {
@@ -140,11 +147,40 @@ fn follow<'h, H: Geometry + Shading + Media, V: Sight<H>>(
         }
         match walk.scatter(&vertex, sampler) {
             Some(scattered) if scattered.pdf_w.is_none() => {}
-            Some(scattered) if point.is_sharp(scattered.wi) => spread = true,
+            Some(scattered) if gathers || point.is_sharp(scattered.wi) => spread = true,
             Some(_) | None => break,
         }
     }
     radiance
+}
+
+/// The radiance scattered where a walk collided, per unit of what it carried there.
+fn collided<H: Geometry + Shading + Media, V: Sight<H>>(
+    host: &H,
+    vertex: &Vertex<H>,
+    coefficients: Coefficients<H::Spectrum>,
+    sight: &mut V,
+    sampler: &mut impl Sampler,
+) -> H::Spectrum {
+    let Some(medium) = host.medium(vertex.medium) else {
+        return H::Spectrum::default();
+    };
+    let (phase, albedo) = (medium.phase(vertex.position), coefficients.albedo());
+    let direct = V::Direct::scattered(
+        host,
+        &vertex.anchor(),
+        vertex.position,
+        |_| vertex.medium,
+        |wi| albedo * phase.eval(vertex.wo, wi),
+        sampler,
+    );
+    // What the walk carries has σt, the density of collisions, in it; nothing where that is 0.
+    let per_collision = |radiance, sigma_t| match sigma_t {
+        0.0 => 0.0,
+        sigma_t => radiance / sigma_t,
+    };
+    let brought = sight.collision(medium, vertex);
+    direct + brought.zip(coefficients.sigma_t(), per_collision)
 }
 
 /// What the end of a segment emits, seen along `direction`.

@@ -44,7 +44,7 @@
 //! Of n paths the variance is ∝ n^−α and the bias ∝ n^−2(1−α)/d; with the default α = 4/(4 + d)
 //! the root mean square error falls as n^−1/3 on surfaces and n^−2/7 in media, against n^−1/2 of
 //! an unbiased method. The bias is blur: within a radius of edges of shadows, of the boundary of a
-//! medium and of a surface, and of corners; there it falls only with the radius, not its square.
+//! medium and of a surface, of corners and of thin walls, through which light leaks; there it falls only with the radius, not its square.
 //!
 //! # What it does not handle well
 //! By statistics, a pixel whose walks end in bright places and in dark ones has one radius for all of
@@ -310,7 +310,6 @@ where
         let Pixel { surfaces, media } = pixel;
         let place = |reach, statistics| Place::new(reach, adaptive.then_some(statistics));
         let mut points = Points::<H, D>::new(
-            host,
             &pass.maps,
             self.kernel,
             place(pass.surfaces, surfaces),

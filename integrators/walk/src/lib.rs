@@ -2,7 +2,7 @@
 //!
 //! [`Walk`] is the state machine that every method of Tyndall shares: it crosses boundaries
 //! between media, passes null surfaces without counting them as bounces, samples free flights and
-//! scatterings, and plays Russian roulette. It estimates nothing. [`Connection`] is what lies
+//! scatterings, and plays Russian roulette. [`Connection`] is what lies
 //! between two given points. [`equiangular`] samples points on a segment seen from a pivot; a
 //! [`Line`] weights them against free flight.
 //! [`LightPaths`] emits and traces the light paths of a pass, and a [`Route`] says what their light
@@ -10,7 +10,8 @@
 //!
 //! # Needs of the host
 //! [`Geometry`](tyndall_core::Geometry), [`Shading`](tyndall_core::Shading) and
-//! [`Media`](tyndall_core::Media); light paths need [`LightEmission`](tyndall_core::LightEmission).
+//! [`Media`](tyndall_core::Media); light paths need [`LightEmission`](tyndall_core::LightEmission),
+//! sampling lights needs [`LightDirect`](tyndall_core::LightDirect).
 #![forbid(unsafe_code)]
 
 mod connection;

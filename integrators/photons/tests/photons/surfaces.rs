@@ -4,7 +4,7 @@ use super::{FALSE_ALARM, maps};
 use glam::Vec3;
 use std::marker::PhantomData;
 use std::path::Path;
-use tyndall_core::{MediumId, Ray, Rgb, Sampler, SensorRay, Spectrum};
+use tyndall_core::{HostTypes, MediumId, Ray, Rgb, Sampler, SensorRay, Spectrum};
 use tyndall_density::{Kernel, SurfacePoint};
 use tyndall_kd_tree::Photons;
 use tyndall_photons::{Gather, Incident, PhotonMaps, Search, Sight, radiance};
@@ -45,7 +45,7 @@ impl<D: DirectLight<Scene<Rgb>>> Sight<Scene<Rgb>> for Surfaces<'_, D> {
         (Rgb::default(), walk.transmit(segment, sampler))
     }
 
-    fn collision(&mut self, _: &Vertex<Scene<Rgb>>, _: &mut impl Sampler) -> Rgb {
+    fn collision(&mut self, _: &<Scene<Rgb> as HostTypes>::Medium, _: &Vertex<Scene<Rgb>>) -> Rgb {
         unreachable!("segments transmit")
     }
 
