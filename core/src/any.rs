@@ -1,8 +1,8 @@
 //! The object-safe twin of an integrator: one virtual call a tile, none a photon.
 
 use crate::{
-    Domain, Figure, HostTypes, Integrator, PassContext, PassError, Sampler, Sensor, Splat, StateError,
-    Streams,
+    Domain, Figure, HostTypes, Integrator, PassContext, PassError, Sampler, Sensor, Splat,
+    StateError, Streams,
 };
 use std::any::Any;
 
