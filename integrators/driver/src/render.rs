@@ -6,7 +6,8 @@ use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 use tyndall_core::{
-    AnyIntegrator, AnyPass, AnyPixels, Figure, HostTypes, PassContext, PassError, Sensor, StateError, Tile,
+    AnyIntegrator, AnyPass, AnyPixels, Figure, HostTypes, PassContext, PassError, Sensor,
+    StateError, Tile,
 };
 
 /// Side of a square tile, in pixels.
