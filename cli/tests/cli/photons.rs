@@ -114,10 +114,12 @@ fn a_picture_can_be_rendered_again_from_what_it_says() {
             let said = format!("integrator.{key}={value}");
             assert!(options.contains(&said), "{said} is not in {options:?}");
         }
-        assert!(
-            options.len() > set.len(),
-            "defaults are said too: {options:?}"
-        );
+        let default = if integrator == "path" {
+            "scattering"
+        } else {
+            "kernel"
+        };
+        assert!(options.iter().any(|o| o.contains(default)), "{options:?}");
         let second = render(&folder, &scene, "b.exr", integrator, &options);
         assert_eq!(first.metadata.integrator, second.metadata.integrator);
         assert!(
@@ -148,7 +150,7 @@ fn figures_of_the_passes_are_told_and_kept() {
     let bounded = |value| matches!(value, Some(FigureValue::Largest(e)) if e > 0.0 && e <= 0.01);
     assert!(bounded(is("error of transmittance")), "{figures:?}");
     let shrinks = |value| matches!(value, Some(FigureValue::Range([a, b])) if a < b && b < 1.0);
-    assert!(shrinks(is("radius over the first")), "{figures:?}");
+    assert!(shrinks(is("radius over the starting one")), "{figures:?}");
     for figure in figures {
         assert!(said.contains(&figure.to_string()), "{figure}: {said}");
     }

@@ -35,7 +35,7 @@
 //! noise rules and n^−2/7 in the end). It does not depend on how the paths are cut into passes. `alpha(1)` keeps the blur for less noise.
 //!
 //! In media that are not the same everywhere, [`Transmittance::Table`] adds a bias no larger than
-//! its `max_error`, reported by [`Pass::transmittance_error`]; [`Transmittance::Tracking`] adds
+//! its `max_error`, told by [`Integrator::figures`]; [`Transmittance::Tracking`] adds
 //! noise instead.
 //!
 //! # What it does not handle well

@@ -104,7 +104,7 @@ impl<S: Spectrum> Pass<S> {
         let error = self.transmittance_error();
         let left_out = Figure::total("photons left out, their radii out of bounds", left_out);
         let error = Figure::largest("error of transmittance", error);
-        let shrink = Figure::range("radius over the first", self.shrink);
+        let shrink = Figure::range("radius over the starting one", self.shrink);
         let errors = [left_out, error].into_iter().filter(|f| !f.is_zero());
         errors.chain([shrink])
     }

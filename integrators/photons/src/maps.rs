@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 use tyndall_core::{
-    Figure, Geometry, LightEmission, Media, MediumId, PassContext, PassError, Shading, Spectrum, Streams,
-    SurfaceKind,
+    Figure, Geometry, LightEmission, Media, MediumId, PassContext, PassError, Shading, Spectrum,
+    Streams, SurfaceKind,
 };
 use tyndall_kd_tree::{Photon, Photons};
 use tyndall_walk::{DirectLight, LightPaths, Route, Site, Vertex};

@@ -325,8 +325,11 @@ where
         let mut figures = self.emission.figures(pass.maps.photons());
         if self.radii == Radii::Memoryless {
             figures.extend([
-                Figure::range("radius on surfaces over the first", pass.surfaces.scale),
-                Figure::range("radius in media over the first", pass.media.scale),
+                Figure::range(
+                    "radius on surfaces over the starting one",
+                    pass.surfaces.scale,
+                ),
+                Figure::range("radius in media over the starting one", pass.media.scale),
             ]);
         }
         figures
