@@ -1,10 +1,11 @@
 //! Photons from rpt's lights.
 
 use crate::{FOG, RptHit, RptHost, rng, to_glm, to_rgb, to_vec3};
-use rpt::{Environment, Light, glm};
+use rpt::{Environment, Light};
 use std::f32::consts::PI;
 use tyndall_core::{
-    Anchor, EmissionPdf, EmissionSample, LightEmission, LightKind, Ray, Rgb, warp::uniform_sphere,
+    Anchor, EmissionPdf, EmissionSample, LightEmission, LightKind, Ray, Rgb, Spectrum,
+    warp::uniform_sphere,
 };
 
 /// Of a uniform direction.
@@ -20,7 +21,7 @@ impl RptHost {
     /// What starts none, and the mend.
     pub fn check_photons(&self) -> Result<(), &'static str> {
         let dark = match &self.scene.environment {
-            Environment::Color(color) => *color == glm::zero(),
+            Environment::Color(color) => to_rgb(color).is_black(),
             Environment::Hdri(_) => false,
         };
         let glows = |object: &rpt::Object| object.material.emittance > 0.0;
