@@ -44,7 +44,7 @@ pub(crate) enum Command {
     /// the verdict from --json.
     #[command(after_help = crate::diff::FIGURES)]
     Diff(DiffArguments),
-    /// Average renders of one scene with different seeds, weighted by their passes.
+    /// Average renders of one scene with different seeds or passes, weighted by their passes.
     Merge(MergeArguments),
     /// Tell what a scene holds and which transport it needs, or what the grids of a volume hold.
     Inspect(InspectArguments),
@@ -57,6 +57,9 @@ pub(crate) enum Command {
         shell: Shell,
     },
 }
+
+/// Leaves room for as many passes as anybody can render.
+const LAST_FIRST_PASS: u64 = 1 << 62;
 
 #[derive(Debug, Args)]
 pub(crate) struct RenderArguments {
@@ -77,6 +80,10 @@ pub(crate) struct RenderArguments {
     /// Another seed gives an independent image.
     #[arg(long, default_value_t = 0, value_parser = |text: &str| whole(text, 0..=u64::MAX))]
     pub(crate) seed: u64,
+    /// Begin with this pass, counted from 0: a part of a render whose other passes are rendered
+    /// elsewhere with the same seed, to be joined by `tyndall merge`.
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = |text: &str| whole(text, 0..=LAST_FIRST_PASS))]
+    pub(crate) first_pass: u64,
     /// Threads to render on; all cores by default.
     #[arg(long, value_parser = |text: &str| whole(text, 1..=u16::MAX))]
     pub(crate) threads: Option<u16>,

@@ -13,7 +13,7 @@ use tyndall_driver::Snapshot;
 use tyndall_scene_io::{Backend, SceneFile};
 
 const MAGIC: &[u8; 8] = b"TYNDALL\x1a";
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 const HEADER: usize = 8 + 4 + 8 + 32;
 
 /// All that determines the bits of a render.
@@ -22,9 +22,10 @@ pub(crate) struct Identity {
     pub(crate) version: String,
     /// Of the scene, see [`fingerprint`].
     pub(crate) scene: [u8; 32],
-    /// The integrator and its settings.
+    /// The integrator and its options.
     pub(crate) integrator: String,
     pub(crate) seed: u64,
+    pub(crate) first_pass: u64,
 }
 
 /// A checksum of the bytes of all files of a scene, its overrides, and what traces its rays.
@@ -188,11 +189,15 @@ impl Identity {
                 other.integrator, self.integrator
             ));
         }
-        (self.seed != other.seed).then(|| {
+        let numbers = [
+            ("seed", self.seed, other.seed),
+            ("first-pass", self.first_pass, other.first_pass),
+        ];
+        let different = numbers.into_iter().find(|(_, ours, theirs)| ours != theirs);
+        different.map(|(flag, ours, theirs)| {
             format!(
-                "is of a render with seed {}, and this has {}: add --seed {0}, or render without \
-                 --resume",
-                other.seed, self.seed
+                "is of a render with --{flag} {theirs}, and this has {ours}: add --{flag} {theirs}, \
+                 or render without --resume"
             )
         })
     }

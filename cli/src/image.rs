@@ -28,8 +28,12 @@ pub(crate) fn notes<S: Spectrum>(
     notes
 }
 
-/// Says what a reader of the image must know.
+/// Says what a reader of the image must know, and what its integrator tells.
 pub(crate) fn tell(metadata: &Metadata) {
+    if !metadata.figures.is_empty() {
+        let figures: Vec<_> = metadata.figures.iter().map(ToString::to_string).collect();
+        message(&figures.join("; "));
+    }
     for note in &metadata.notes {
         message(&format!("note: {note}"));
     }

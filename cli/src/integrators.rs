@@ -6,7 +6,7 @@ use tyndall_driver::PassStreams;
 use tyndall_path::{Path, Scattering};
 use tyndall_photon_map::PhotonMap;
 use tyndall_progressive_photon_map::{ProgressivePhotonMap, Radii};
-use tyndall_scene_io::{IntegratorConfig, PhotonConfig, Scene};
+use tyndall_scene_io::{IntegratorConfig, PhotonConfig, Place, Scene};
 use tyndall_walk::{ByPhotons, BySampling, DirectLight};
 
 /// Names of integrators.
@@ -17,10 +17,16 @@ pub(crate) const INTEGRATORS: [&str; 4] = [
     "beam_radiance",
 ];
 
+/// What is said of methods whose radii shrink from pass to pass.
+pub(crate) const SHRINKING: &str = "biased: photons blur light, less with every pass";
+
 /// Flights a ray, where they find the transmittance.
 const FLIGHTS: u32 = 16;
 
-type Boxed<S> = Box<dyn AnyIntegrator<Scene<S>, PassStreams>>;
+/// An integrator of scenes.
+pub(crate) type Integrator<S> = dyn AnyIntegrator<Scene<S>, PassStreams>;
+
+type Boxed<S> = Box<Integrator<S>>;
 
 /// The integrator of this name, as the scene configures it.
 pub(crate) fn integrator<S: Spectrum>(name: &str, config: &IntegratorConfig) -> Option<Boxed<S>> {
@@ -88,6 +94,13 @@ fn beam_radiance<S: Spectrum, D: DirectLight<Scene<S>>>(config: &PhotonConfig) -
     let beams = with(beams, config.radius, |beams, radius| {
         beams.radius(radius).surface_radius(radius)
     });
+    let beams = with(beams, config.surface_nearest, BeamRadiance::surface_nearest);
+    let beams = with(
+        beams,
+        config.surface_max_radius,
+        BeamRadiance::surface_max_radius,
+    );
+    let beams = with(beams, config.surface_radius, BeamRadiance::surface_radius);
     let beams = with(beams, config.alpha, BeamRadiance::alpha);
     let beams = with(beams, config.kernel, BeamRadiance::kernel);
     let balls = (config.blur == Some(3)).then_some(Blur::Ball);
@@ -111,44 +124,30 @@ fn scattering(config: &IntegratorConfig) -> Scattering {
     }
 }
 
-/// The integrator and its settings, for people and for checkpoints.
-pub(crate) fn describe(name: &str, config: &IntegratorConfig) -> String {
-    if name == "path" {
-        let depth = config
-            .max_depth
-            .map_or("unlimited".into(), |depth| depth.to_string());
-        return format!(
-            "{name}, max_depth {depth}, {:?} scattering in media",
-            scattering(config)
-        );
-    }
-    settings(&config.photons).fold(name.to_owned(), |text, (key, value)| {
+/// The integrator and its options, defaults filled in: for people and for checkpoints.
+pub(crate) fn describe<S: Spectrum>(name: &str, integrator: &Integrator<S>) -> String {
+    let options = integrator.options_any().into_iter();
+    options.fold(name.to_owned(), |text, (key, value)| {
         format!("{text}, {key} {value}")
     })
 }
 
-/// What the scene says that this integrator does not heed.
-fn unheeded(name: &str, config: &IntegratorConfig) -> Vec<&'static str> {
-    let only = |key: &'static str| match key {
-        "final_gather" => "photon_map",
-        "statistics" => "progressive_photon_map",
-        "blur" | "transmittance" => "beam_radiance",
-        _ => name,
+/// What the scene says that this integrator does not heed, a sentence each.
+pub(crate) fn unheeded<S: Spectrum>(
+    name: &str,
+    integrator: &Integrator<S>,
+    config: &IntegratorConfig,
+) -> Vec<String> {
+    let options = integrator.options_any();
+    let heeds = |key: &str| {
+        let key = if key == "memory" { "max_bytes" } else { key };
+        options.iter().any(|(option, _)| *option == key)
     };
-    let of_photons = settings(&config.photons).map(|(key, _)| key);
-    if name == "path" {
-        return of_photons.collect();
-    }
-    let depth = config.max_depth.map(|_| "max_depth");
-    let scattering = (scattering(config) != Scattering::Multiple).then_some("scattering");
-    let alpha = (name == "photon_map" && config.photons.alpha.is_some()).then_some("alpha");
-    let others = of_photons.filter(|key| only(key) != name);
-    depth
-        .into_iter()
-        .chain(scattering)
-        .chain(alpha)
-        .chain(others)
-        .collect()
+    let unheeded = config.set.iter().filter(|(key, _)| !heeds(key));
+    let sentence = |(key, place): &(String, Place)| {
+        format!("{place}: `integrator.{key}`: {name} does not heed it: remove it")
+    };
+    unheeded.map(sentence).collect()
 }
 
 /// What is wrong with the image, however well it is sampled.
@@ -160,7 +159,7 @@ pub(crate) fn biases(name: &str, config: &IntegratorConfig) -> Vec<String> {
         _ if config.photons.alpha == Some(1.0) => {
             biases.push("biased: photons blur light, however many the passes (alpha)".into());
         }
-        _ => biases.push("biased: photons blur light, less with every pass".into()),
+        _ => biases.push(SHRINKING.into()),
     }
     if let ("path", Some(depth)) = (name, config.max_depth) {
         biases.push(format!(
@@ -177,48 +176,5 @@ pub(crate) fn biases(name: &str, config: &IntegratorConfig) -> Vec<String> {
             biases.push("light that media scatter is left out (scattering)".into());
         }
     }
-    let unheeded = unheeded(name, config);
-    biases.extend(
-        unheeded
-            .iter()
-            .map(|key| format!("`{key}` is not for {name}: not heeded")),
-    );
     biases
-}
-
-/// What the scene says about photons.
-fn settings(config: &PhotonConfig) -> impl Iterator<Item = (&'static str, String)> {
-    let PhotonConfig {
-        paths,
-        memory,
-        radius,
-        nearest,
-        alpha,
-        kernel,
-        sample_lights,
-        final_gather,
-        statistics,
-        blur,
-        tracking,
-        max_radius,
-        ..
-    } = config;
-    let said = [
-        ("paths", paths.map(|x| x.to_string())),
-        ("memory", memory.map(|x| x.to_string())),
-        ("radius", radius.map(|x| x.to_string())),
-        ("max_radius", max_radius.map(|x| x.to_string())),
-        ("nearest", nearest.map(|x| x.to_string())),
-        ("alpha", alpha.map(|x| x.to_string())),
-        ("kernel", kernel.map(|x| format!("{x:?}"))),
-        ("sample_lights", sample_lights.map(|x| x.to_string())),
-        ("final_gather", final_gather.map(|x| x.to_string())),
-        ("statistics", statistics.map(|x| x.to_string())),
-        ("blur", blur.map(|x| x.to_string())),
-        (
-            "transmittance",
-            tracking.map(|x| (if x { "tracking" } else { "table" }).into()),
-        ),
-    ];
-    (said.into_iter()).filter_map(|(key, value)| value.map(|value| (key, value)))
 }

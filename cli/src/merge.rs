@@ -5,11 +5,12 @@ mod check;
 use crate::arguments::exr;
 use crate::failure::Error;
 use crate::image::{INTERRUPTED, spectra, tell};
+use crate::integrators::SHRINKING;
 use crate::progress::message;
 use check::{independent, same_picture};
 use clap::Args;
 use std::path::{Path, PathBuf};
-use tyndall_core::{Rgb, Spectrum};
+use tyndall_core::{Figure, Rgb, Spectrum};
 use tyndall_driver::Film;
 use tyndall_scene_io::{
     Features, Metadata, RenderOutput, RenderedImage, TooManyPasses, View, check_writable, read_exr,
@@ -17,6 +18,10 @@ use tyndall_scene_io::{
 };
 
 pub(crate) use check::Refusal;
+
+/// Said of parts that are wider in their radii than one render of as many passes.
+const REPEATED: &str = "more biased than one render of as many passes, for every seed begins with \
+                        the largest radius: render parts with one --seed, each with a --first-pass";
 
 /// The command line.
 #[derive(Debug, Args)]
@@ -73,7 +78,15 @@ fn merge<S: Spectrum>(
         parts.push((path, image.metadata));
     }
     // What was stopped is whole in the merge: its passes are counted.
-    metadata.notes.retain(|note| note != INTERRUPTED);
+    metadata
+        .notes
+        .retain(|note| note != INTERRUPTED && note != REPEATED);
+    if metadata.notes.iter().any(|note| note == SHRINKING) && metadata.repeats_passes() {
+        metadata.notes.push(REPEATED.into());
+    }
+    for missing in metadata.missing_passes() {
+        message(&format!("note: no part holds {missing}"));
+    }
     write(
         output,
         &film,
@@ -134,6 +147,7 @@ fn join(merged: &mut Metadata, part: &Metadata) -> Result<(), TooManyPasses> {
     merged.add_passes(part)?;
     merged.seconds += part.seconds;
     merged.non_finite = merged.non_finite.saturating_add(part.non_finite);
+    Figure::gather(&mut merged.figures, part.figures.iter().cloned());
     merged.notes.retain(|note| part.notes.contains(note));
     Ok(())
 }

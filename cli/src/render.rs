@@ -4,7 +4,7 @@ use crate::arguments::RenderArguments;
 use crate::checkpoint::{Checkpoint, Identity, fingerprint};
 use crate::failure::Error;
 use crate::image;
-use crate::integrators::{biases, describe, integrator};
+use crate::integrators::{biases, describe, integrator, unheeded};
 use crate::keeper::Keeper;
 use crate::preview::Preview;
 use crate::progress::{Bar, line, message};
@@ -67,19 +67,29 @@ fn render<S: Spectrum>(
         scene: arguments.scene.clone(),
         name: name.clone(),
     })?;
+    let begins_anew = |(key, value): &(_, String)| *key == "statistics" && value == "true";
+    if arguments.first_pass > 0 && integrator.options_any().iter().any(begins_anew) {
+        let scene = arguments.scene.clone();
+        return Err(Error::Statistics { scene });
+    }
+    for sentence in unheeded(name, integrator.as_ref(), config) {
+        line(&format!("note: {sentence}"));
+    }
     let checkpoint = Checkpoint::beside(
         &arguments.output,
         Identity {
             version: env!("CARGO_PKG_VERSION").into(),
             scene: fingerprint(file, &arguments.set)?,
-            integrator: describe(name, config),
+            integrator: describe(name, integrator.as_ref()),
             seed: arguments.seed,
+            first_pass: arguments.first_pass,
         },
     );
     let earlier = earlier(arguments, &checkpoint)?;
     let scene = file.build::<S>()?;
     let mut render = Render::new(&scene, integrator.as_ref())
         .seed(arguments.seed)
+        .first_pass(arguments.first_pass)
         .cancelled_by(cancelled);
     if let Some(snapshot) = earlier {
         render = render.resume(snapshot);
@@ -120,16 +130,19 @@ fn metadata<S: Spectrum>(checkpoint: &Checkpoint, snapshot: &Snapshot<S>) -> Met
         version,
         integrator,
         seed,
+        first_pass,
         ..
     } = checkpoint.identity().clone();
     Metadata {
         fingerprint: checkpoint.fingerprint(),
         integrator,
         seed,
+        first_pass,
         passes: snapshot.film().passes(),
         seconds: snapshot.elapsed().as_secs_f64(),
         version,
         non_finite: snapshot.film().non_finite(),
+        figures: snapshot.figures().to_vec(),
         ..Metadata::default()
     }
 }
@@ -178,7 +191,8 @@ fn passes<S: Spectrum>(
             preview.show(progress.snapshot.film());
         }
         keeper.after_pass(progress.snapshot, bar.speaker());
-    })?;
+    });
+    let snapshot = snapshot.map_err(|error| Error::render(&arguments.scene, error))?;
     if let Some(preview) = preview {
         preview.finish(snapshot.film());
     }

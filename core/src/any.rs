@@ -1,8 +1,8 @@
 //! The object-safe twin of an integrator: one virtual call a tile, none a photon.
 
 use crate::{
-    Domain, HostTypes, Integrator, PassContext, PassError, Sampler, Sensor, Splat, StateError,
-    Streams,
+    Domain, Figure, HostTypes, Integrator, PassContext, PassError, Sampler, Sensor, Splat,
+    StateError, Streams,
 };
 use std::any::Any;
 
@@ -78,6 +78,15 @@ pub trait AnyIntegrator<H: HostTypes, R: Streams>: Sync {
     /// See [`Integrator::splats`].
     fn splats_any<'p>(&self, pass: &'p AnyPass) -> &'p [Splat<H::Spectrum>];
 
+    /// See [`Integrator::figures`].
+    ///
+    /// # Panics
+    /// If `pass` comes from another integrator.
+    fn figures_any(&self, pass: &AnyPass) -> Vec<Figure>;
+
+    /// See [`Integrator::options`].
+    fn options_any(&self) -> Vec<(&'static str, String)>;
+
     /// See [`Integrator::save_pass`].
     ///
     /// # Errors
@@ -147,6 +156,14 @@ impl<H: Sensor, R: Streams, I: Integrator<H>> AnyIntegrator<H, R> for I {
 
     fn splats_any<'p>(&self, pass: &'p AnyPass) -> &'p [Splat<H::Spectrum>] {
         self.splats(pass.downcast_ref::<I::Pass>().expect(FOREIGN))
+    }
+
+    fn figures_any(&self, pass: &AnyPass) -> Vec<Figure> {
+        self.figures(pass.downcast_ref::<I::Pass>().expect(FOREIGN))
+    }
+
+    fn options_any(&self) -> Vec<(&'static str, String)> {
+        self.options()
     }
 
     fn save_any(&self, pass: &AnyPass, bytes: &mut Vec<u8>) -> Result<(), StateError> {

@@ -1,6 +1,6 @@
 //! Estimators of the light that arrives at a sensor.
 
-use crate::{HostTypes, Sampler, SensorRay, Streams};
+use crate::{Figure, HostTypes, Sampler, SensorRay, Streams};
 use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -53,6 +53,20 @@ pub trait Integrator<H: HostTypes>: Sync {
     fn splats<'p>(&self, pass: &'p Self::Pass) -> &'p [Splat<H::Spectrum>] {
         let _ = pass;
         &[]
+    }
+
+    /// What a reader of the image must know of a pass, asked when all its pixels are estimated:
+    /// errors met, radii, light paths. A figure has the same name in every pass.
+    fn figures(&self, pass: &Self::Pass) -> Vec<Figure> {
+        let _ = pass;
+        Vec::new()
+    }
+
+    /// The options with which it renders, defaults filled in, as names and values: with a seed and
+    /// the passes all that it takes to render the same picture again. Those that the others make
+    /// void are left out.
+    fn options(&self) -> Vec<(&'static str, String)> {
+        Vec::new()
     }
 
     /// Appends to `bytes` what the next pass must find in `previous`: nothing for methods that only
@@ -187,7 +201,11 @@ impl fmt::Display for PassError {
         match self {
             Self::Cancelled => write!(f, "the render was cancelled"),
             Self::Memory { needed, allowed } => {
-                write!(f, "the pass needs {needed} bytes, {allowed} are allowed")
+                write!(
+                    f,
+                    "the pass needs {needed} bytes, {allowed} are allowed: allow more, or trace fewer \
+                     paths a pass"
+                )
             }
             Self::Unsupported(why) => f.write_str(why),
         }

@@ -11,6 +11,7 @@
 //! | [`Medium`], [`PhaseFunction`] | what scatters, absorbs and emits between surfaces |
 //! | [`EmissionSample`], [`DirectSample`] | light leaving a source, light arriving at a point |
 //! | [`Integrator`], [`AnyIntegrator`] | the estimator, and its object-safe twin for a driver |
+//! | [`Figure`] | what a reader of the image must know of how it was rendered |
 //! | [`Sampler`], [`Streams`], [`Domain`] | random numbers, and the names of their streams |
 //!
 //! # Conventions
@@ -22,6 +23,7 @@
 
 mod aabb;
 mod any;
+mod figure;
 mod frame;
 pub mod host;
 mod integrator;
@@ -35,6 +37,7 @@ pub mod warp;
 
 pub use aabb::Aabb;
 pub use any::{AnyIntegrator, AnyPass, AnyPixels, Tile};
+pub use figure::{Figure, FigureValue, NoFigure};
 pub use frame::Frame;
 pub use host::{
     Geometry, HostTypes, LightDirect, LightEmission, LightPdf, Media, Sensor, SensorImportance,

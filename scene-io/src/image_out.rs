@@ -14,6 +14,7 @@ use std::fs::File;
 use std::io::{BufWriter, ErrorKind, Write};
 use std::path::Path;
 use tempfile::NamedTempFile;
+use tyndall_core::Figure;
 
 /// A rendered image.
 #[derive(Clone, Debug)]
@@ -57,7 +58,8 @@ pub struct Metadata {
     pub scene: String,
     /// Identifies the scene's contents: only images of equal ones can be merged.
     pub fingerprint: String,
-    /// The integrator and its settings.
+    /// The integrator and all its options, defaults filled in: name, then ` key value`, between
+    /// commas.
     pub integrator: String,
     /// Seed of the random numbers; of a merge, that of the first of `parts`.
     pub seed: u64,
@@ -73,6 +75,8 @@ pub struct Metadata {
     pub version: String,
     /// Samples that were NaN or infinite and count as black: a defect.
     pub non_finite: u64,
+    /// What the integrator tells of its passes: errors met, radii, light paths.
+    pub figures: Vec<Figure>,
     /// What else a reader must know: a bias.
     pub notes: Vec<String>,
 }

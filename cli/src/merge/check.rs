@@ -24,7 +24,8 @@ pub(crate) enum Refusal {
         ours: String,
     },
     #[error(
-        "{}: holds {shared}, which {} holds too: give every render another --seed",
+        "{}: holds {shared}, which {} holds too: give every render another --seed, or a --first-pass \
+         behind the other's last",
         path.display(), other.display()
     )]
     Overlap {

@@ -4,6 +4,8 @@ mod bad_inputs;
 mod diff;
 mod inspect;
 mod merge;
+mod parts;
+mod photons;
 mod render;
 mod resume;
 mod support {

@@ -222,15 +222,21 @@ fn every_integrator_renders_any_scene() {
         "integrator.final_gather=2",
     ];
     for (name, notes) in [
-        ("path", ["`paths` is not for path", "`final_gather`"]),
+        (
+            "path",
+            [
+                "`integrator.paths`: path does not heed it",
+                "`integrator.final_gather`",
+            ],
+        ),
         ("photon_map", ["photons blur light, however many", ""]),
         (
             "progressive_photon_map",
-            ["photons blur light, less", "`final_gather` is not for"],
+            ["photons blur light, less", "`integrator.final_gather`"],
         ),
         (
             "beam_radiance",
-            ["photons blur light, less", "`final_gather` is not for"],
+            ["photons blur light, less", "`integrator.final_gather`"],
         ),
     ] {
         let folder = folder();

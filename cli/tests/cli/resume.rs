@@ -179,6 +179,18 @@ fn ctrl_c_leaves_an_image_and_a_checkpoint_that_ends_with_the_same_bits() {
 }
 
 #[test]
+fn a_part_of_a_render_is_resumed_as_that_part() {
+    let bench = Bench::new("400");
+    let part = ["--first-pass", "5", "--passes", "400"];
+    let whole = bench.run("whole.exr", &part);
+    assert!(whole.status.success(), "{}", said(&whole));
+    bench.interrupted(&part[..2]);
+    let done = bench.run("out.exr", &[&part[..], &["--resume"]].concat());
+    assert!(said(&done).contains("going on after"), "{}", said(&done));
+    assert!(pixels(&bench.path("out.exr")) == pixels(&bench.path("whole.exr")));
+}
+
+#[test]
 fn without_a_checkpoint_it_starts_afresh_and_says_so() {
     let bench = Bench::new("2");
     let done = bench.run("out.exr", &["--passes", "2", "--resume"]);
@@ -268,6 +280,7 @@ fn a_checkpoint_of_another_render_is_an_error() {
     let (bench, _) = left();
     for (more, problem) in [
         (&["--seed", "1"][..], "--seed 0"),
+        (&["--first-pass", "1"], "--first-pass 0"),
         (&["--set", "media.fog.sigma_s=0.3"], "another scene"),
         (&["--set", "film.width=13"], "another scene"),
         (&["--set", "integrator.max_depth=3"], "another scene"),

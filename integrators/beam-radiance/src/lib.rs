@@ -37,7 +37,7 @@
 //! blur for less noise.
 //!
 //! In media that are not the same everywhere, [`Transmittance::Table`] adds a bias no larger than
-//! its `max_error`, reported by [`Pass::transmittance_error`]; [`Transmittance::Tracking`] adds
+//! its `max_error`, told by [`Integrator::figures`]; [`Transmittance::Tracking`] adds
 //! noise instead.
 //!
 //! # What it does not handle well
@@ -83,7 +83,7 @@ use options::{Radii, ensure, shrinkage};
 use sight::Beams;
 use std::marker::PhantomData;
 use tyndall_core::{
-    Geometry, Integrator, LightEmission, Media, PassContext, PassError, Sampler, SensorRay,
+    Figure, Geometry, Integrator, LightEmission, Media, PassContext, PassError, Sampler, SensorRay,
     Shading, StateError, Streams,
 };
 use tyndall_density::{Dimension, Kernel};
@@ -286,6 +286,28 @@ where
         let radiance = radiance(host, ray, &mut beams, sampler);
         pass.report(beams.media.error);
         radiance
+    }
+
+    fn figures(&self, pass: &Self::Pass) -> Vec<Figure> {
+        let mut figures = self.emission.figures(pass.photons());
+        figures.extend(pass.figures());
+        figures
+    }
+
+    fn options(&self) -> Vec<(&'static str, String)> {
+        let mut options = self.emission.options(D::BY_PHOTONS);
+        options.push(("starting_paths", self.starting_paths.to_string()));
+        options.extend(self.volume.options(["radius", "nearest", "max_radius"]));
+        let surfaces = ["surface_radius", "surface_nearest", "surface_max_radius"];
+        options.extend(self.surfaces.options(surfaces));
+        let alpha = self.alpha.unwrap_or(2.0 / 3.0);
+        options.extend([
+            ("alpha", alpha.to_string()),
+            ("kernel", self.kernel.to_string()),
+            ("blur", self.blur.dimensions().to_string()),
+        ]);
+        options.extend(self.transmittance.options());
+        options
     }
 
     /// Nothing: passes do not know of each other.

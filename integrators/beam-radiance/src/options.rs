@@ -14,6 +14,16 @@ pub enum Blur {
     Ball,
 }
 
+impl Blur {
+    /// Over which photons are smoothed.
+    pub(crate) fn dimensions(self) -> u8 {
+        match self {
+            Self::Disc => 2,
+            Self::Ball => 3,
+        }
+    }
+}
+
 /// How the transmittance from the sensor to the photons of a ray is found in media that are not the
 /// same everywhere. In those that are, it is a closed form.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,6 +77,20 @@ impl Radii {
         (count.round() as usize).max(2)
     }
 
+    /// What was chosen, under these names of a fixed radius, of a number of photons, and of its bound.
+    pub(crate) fn options(
+        self,
+        [radius, nearest, max]: [&'static str; 3],
+    ) -> Vec<(&'static str, String)> {
+        match self.fixed {
+            Some(fixed) => vec![(radius, fixed.to_string())],
+            None => vec![
+                (nearest, self.nearest.to_string()),
+                (max, self.max.to_string()),
+            ],
+        }
+    }
+
     /// `what` is the place that the options name.
     pub(crate) fn check(&self, what: &str) -> Result<(), PassError> {
         if let Some(radius) = self.fixed {
@@ -94,6 +118,14 @@ impl Radii {
 }
 
 impl Transmittance {
+    pub(crate) fn options(self) -> [(&'static str, String); 2] {
+        let (how, detail) = match self {
+            Self::Table { max_error } => ("table", ("max_error", max_error.to_string())),
+            Self::Tracking { flights } => ("tracking", ("flights", flights.to_string())),
+        };
+        [("transmittance", how.to_owned()), detail]
+    }
+
     pub(crate) fn check(self) -> Result<(), PassError> {
         match self {
             Self::Table { max_error } => ensure(max_error > 0.0 && max_error < 1.0, || {

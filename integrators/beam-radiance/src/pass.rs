@@ -5,7 +5,7 @@ use crate::discs::PhotonDiscs;
 use crate::options::{Radii, shrinkage, unsupported};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering};
-use tyndall_core::{MediumId, PassError, Spectrum};
+use tyndall_core::{Figure, MediumId, PassError, Spectrum};
 use tyndall_density::{Dimension, Schedule};
 use tyndall_kd_tree::Photons;
 use tyndall_photons::{PhotonMaps, Search};
@@ -21,6 +21,10 @@ pub struct Pass<S> {
     pub(crate) search: Search,
     /// In media, in the order of their ids.
     media: Vec<PhotonDiscs<S>>,
+    /// Radii over those of the start.
+    shrink: f32,
+    /// Photons whose radii were out of bounds.
+    left_out: usize,
     /// Bits of a number that is not negative: they are ordered as the numbers.
     transmittance_error: AtomicU32,
 }
@@ -58,14 +62,19 @@ impl<S: Spectrum> Pass<S> {
             let radii = radii(bounds, count, &photons, shrink);
             PhotonDiscs::build(medium, &photons, &radii, blur)
         };
+        let traced: usize = volume.iter().map(|(_, photons)| photons.len()).sum();
+        let media = volume
+            .into_par_iter()
+            .map(discs)
+            .collect::<Result<Vec<_>, _>>()?;
+        let kept: usize = media.iter().map(PhotonDiscs::len).sum();
         Ok(Self {
             caustic,
             diffuse,
             search,
-            media: volume
-                .into_par_iter()
-                .map(discs)
-                .collect::<Result<_, _>>()?,
+            media,
+            shrink,
+            left_out: traced - kept,
             transmittance_error: AtomicU32::new(0),
         })
     }
@@ -87,6 +96,17 @@ impl<S: Spectrum> Pass<S> {
     /// far, an absolute one; 0 where none was made.
     pub fn transmittance_error(&self) -> f32 {
         f32::from_bits(self.transmittance_error.load(Ordering::Relaxed))
+    }
+
+    /// What a reader of the image must know beside the number of photons.
+    pub(crate) fn figures(&self) -> impl Iterator<Item = Figure> {
+        let left_out = self.left_out as u64;
+        let error = self.transmittance_error();
+        let left_out = Figure::total("photons left out, their radii out of bounds", left_out);
+        let error = Figure::largest("error of transmittance", error);
+        let shrink = Figure::range("radius over the starting one", self.shrink);
+        let errors = [left_out, error].into_iter().filter(|f| !f.is_zero());
+        errors.chain([shrink])
     }
 
     /// Photons kept in media and on surfaces.

@@ -1,5 +1,6 @@
 //! Kernels that smooth a photon over the space around it.
 
+use std::fmt;
 use std::ops::RangeInclusive;
 
 /// The radii for which weights are promised, in scene units. Their cubes and the inverses of these
@@ -47,6 +48,18 @@ pub enum Kernel {
     Cone,
     /// A bell of σ = r/3, cut at the radius.
     Gaussian,
+}
+
+impl fmt::Display for Kernel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Constant => "constant",
+            Self::Epanechnikov => "epanechnikov",
+            Self::Biweight => "biweight",
+            Self::Cone => "cone",
+            Self::Gaussian => "gaussian",
+        })
+    }
 }
 
 impl Kernel {

@@ -6,7 +6,8 @@ use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 use tyndall_core::{
-    AnyIntegrator, AnyPass, AnyPixels, HostTypes, PassContext, PassError, Sensor, StateError, Tile,
+    AnyIntegrator, AnyPass, AnyPixels, Figure, HostTypes, PassContext, PassError, Sensor,
+    StateError, Tile,
 };
 
 /// Side of a square tile, in pixels.
@@ -177,6 +178,8 @@ impl<'a, H: Sensor> Render<'a, H> {
                 places.iter().map(|p| (p.tile, p.radiance.as_slice())),
                 self.integrator.splats_any(&prepared),
             );
+            let figures = self.integrator.figures_any(&prepared);
+            Figure::gather(&mut snapshot.figures, figures);
             snapshot.next_pass += 1;
             // Now, for the next pass changes the pixels, and may be cancelled and dropped.
             snapshot.memory = self.memory(&prepared, &mut places).ok();
@@ -211,6 +214,7 @@ impl<'a, H: Sensor> Render<'a, H> {
                     film: Film::new(resolution),
                     next_pass,
                     elapsed: Duration::ZERO,
+                    figures: Vec::new(),
                     memory: None,
                 };
                 return Ok(Begun {

@@ -3,7 +3,7 @@
 use crate::Film;
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
-use tyndall_core::{Spectrum, StateError};
+use tyndall_core::{Figure, Spectrum, StateError};
 
 /// A render as it stands between two passes: all that it takes to continue it to the bits of an
 /// uninterrupted one, here or (serialised) in another process, with
@@ -14,6 +14,8 @@ pub struct Snapshot<S> {
     pub(crate) film: Film<S>,
     pub(crate) next_pass: u64,
     pub(crate) elapsed: Duration,
+    #[serde(with = "texts")]
+    pub(crate) figures: Vec<Figure>,
     /// `None` for a method that does not save its state.
     pub(crate) memory: Option<Memory>,
 }
@@ -43,11 +45,33 @@ impl<S: Spectrum> Snapshot<S> {
         self.elapsed
     }
 
+    /// What the method tells of the passes so far, see
+    /// [`Integrator::figures`](tyndall_core::Integrator::figures).
+    pub fn figures(&self) -> &[Figure] {
+        &self.figures
+    }
+
     /// Whether the render can be continued from here.
     ///
     /// # Errors
     /// [`StateError::Unsaved`] if the method does not save its state.
     pub fn resumable(&self) -> Result<(), StateError> {
         self.memory.as_ref().map(drop).ok_or(StateError::Unsaved)
+    }
+}
+
+/// Figures as the texts that they are read back from.
+mod texts {
+    use serde::{Deserialize, Deserializer, Serializer, de::Error};
+    use tyndall_core::Figure;
+
+    pub(super) fn serialize<S: Serializer>(figures: &[Figure], to: S) -> Result<S::Ok, S::Error> {
+        to.collect_seq(figures.iter().map(ToString::to_string))
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<Figure>, D::Error> {
+        let texts = Vec::<String>::deserialize(from)?;
+        let figures: Result<_, _> = texts.iter().map(|text| text.parse()).collect();
+        figures.map_err(D::Error::custom)
     }
 }

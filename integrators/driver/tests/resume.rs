@@ -7,10 +7,10 @@ use blank::Blank;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use tyndall_core::{
-    Domain, Integrator, PassContext, PassError, Rgb, Sampler, SensorRay, Spectrum, StateError,
-    Streams,
+    Domain, Figure, FigureValue, Integrator, PassContext, PassError, Rgb, Sampler, SensorRay,
+    Spectrum, StateError, Streams,
 };
-use tyndall_driver::{Budget, Film, Render, RenderError, Snapshot};
+use tyndall_driver::{Budget, Film, PassStreams, Render, RenderError, Snapshot};
 
 /// A method whose passes feed the next, as a mixture that learns does, and whose pixels remember,
 /// as progressive radii do.
@@ -64,6 +64,14 @@ impl Integrator<Blank> for Learner {
         let [r, g, b] = sampler.next();
         *pixel = 0.9 * *pixel + f64::from(r);
         Rgb::new(r, g * pass, b + *pixel as f32)
+    }
+
+    fn figures(&self, pass: &f32) -> Vec<Figure> {
+        vec![
+            Figure::total("passes", 1),
+            Figure::range("mixture", *pass),
+            Figure::largest("mixture", -pass),
+        ]
     }
 
     fn save_pass(&self, pass: &f32, bytes: &mut Vec<u8>) -> Result<(), StateError> {
@@ -173,8 +181,9 @@ fn a_render_resumed_after_any_pass_has_the_bits_of_one_that_was_not() {
     assert_eq!(parts.len(), 6);
     for part in parts {
         let resumed = Render::new(&SIZE, &learner).seed(3).resume(part);
-        let film = resumed.run(Budget::Passes(7), |_| {}).expect("a film");
-        assert!(film == *whole.film());
+        let resumed = resumed.advance(Budget::Passes(7), |_| {}).expect("a film");
+        assert!(resumed.film() == whole.film());
+        assert_eq!(resumed.figures(), whole.figures());
     }
 }
 
@@ -193,7 +202,68 @@ fn a_cancelled_render_is_resumed_where_its_last_whole_pass_ended() {
     assert_eq!(part.film().passes(), 4);
     let learner = Learner::new();
     let resumed = Render::new(&SIZE, &learner).seed(3).resume(carried(&part));
-    assert!(resumed.run(Budget::Passes(7), |_| {}).expect("a film") == *whole.film());
+    let resumed = resumed.advance(Budget::Passes(7), |_| {}).expect("a film");
+    assert!(resumed.film() == whole.film());
+    assert_eq!(resumed.figures(), whole.figures());
+}
+
+#[test]
+fn figures_of_passes_are_gathered_by_their_kind() {
+    let mut passes = Vec::new();
+    let learner = Learner::new();
+    let gathered = Render::new(&SIZE, &learner)
+        .seed(3)
+        .advance(Budget::Passes(5), |p| {
+            let streams = PassStreams::new(3, passes.len() as u64);
+            let previous = passes.last().copied();
+            let news = streams.sampler(Domain::STRUCTURE, 0).next_1d();
+            passes.push(0.5 * (previous.unwrap_or(1.0) + news));
+            assert_eq!(
+                p.snapshot.figures()[0].value,
+                FigureValue::Total(passes.len() as u64)
+            );
+        })
+        .expect("a render");
+    let least = passes.iter().copied().fold(f32::INFINITY, f32::min);
+    let most = passes.iter().copied().fold(0.0, f32::max);
+    assert!(least < most);
+    let expected = [
+        Figure::total("passes", 5),
+        Figure {
+            value: FigureValue::Range([least, most]),
+            ..Figure::range("mixture", 0.0)
+        },
+        Figure::largest("mixture", -least),
+    ];
+    assert_eq!(gathered.figures(), expected);
+}
+
+#[test]
+fn figures_are_read_back_from_what_they_are_written_as() {
+    let range = |range| Figure {
+        value: FigureValue::Range(range),
+        ..Figure::range("radius in media: of the first", 0.0)
+    };
+    for figure in [
+        Figure::total("light paths", u64::MAX),
+        Figure::largest("error of transmittance", 0.1 + f32::EPSILON),
+        Figure::largest("an error at most in all", f32::INFINITY),
+        range([1e-30, f32::MAX]),
+        range([0.0, 1.0 / 3.0]),
+    ] {
+        assert_eq!(figure.to_string().parse(), Ok(figure.clone()));
+    }
+    for text in [
+        "",
+        "light paths",
+        "light paths: 3",
+        "light paths: -3 in all",
+        "a: b to c",
+        "a: 1 at most 2",
+    ] {
+        let why = text.parse::<Figure>().expect_err(text).to_string();
+        assert!(why.contains(&format!("{text:?}")), "{why}");
+    }
 }
 
 #[test]

@@ -147,6 +147,17 @@ where
         Ok(())
     }
 
+    fn options(&self) -> Vec<(&'static str, String)> {
+        let depth = self.max_depth;
+        let depth = depth.map_or("unlimited".into(), |depth| depth.to_string());
+        let scattering = match self.scattering {
+            Scattering::None => "none",
+            Scattering::Single => "single",
+            Scattering::Multiple => "multiple",
+        };
+        vec![("max_depth", depth), ("scattering", scattering.into())]
+    }
+
     fn estimate(
         &self,
         host: &H,

@@ -67,7 +67,7 @@ use gather::Gathering;
 use march::March;
 use std::marker::PhantomData;
 use tyndall_core::{
-    Geometry, Integrator, LightEmission, Media, PassContext, PassError, Sampler, SensorRay,
+    Figure, Geometry, Integrator, LightEmission, Media, PassContext, PassError, Sampler, SensorRay,
     Shading, StateError, Streams,
 };
 use tyndall_density::RADII;
@@ -274,6 +274,28 @@ where
     ) -> H::Spectrum {
         let mut gathering = Gathering::<H, D>::new(host, self, maps);
         radiance(host, ray, &mut gathering, sampler)
+    }
+
+    fn figures(&self, maps: &Self::Pass) -> Vec<Figure> {
+        self.emission.figures(maps.photons())
+    }
+
+    fn options(&self) -> Vec<(&'static str, String)> {
+        let mut options = self.emission.options(D::BY_PHOTONS);
+        match self.reach {
+            Reach::Radius(radius) => options.push(("radius", radius.to_string())),
+            Reach::Nearest(count) => options.extend([
+                ("nearest", count.to_string()),
+                ("max_radius", self.max_radius.to_string()),
+            ]),
+        }
+        options.extend([
+            ("kernel", self.kernel.to_string()),
+            ("final_gather", self.final_gather.to_string()),
+            ("step", self.march.step.to_string()),
+            ("min_steps", self.march.min_steps.to_string()),
+        ]);
+        options
     }
 
     /// Nothing: each pass has photons of its own.

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 use tyndall_core::{
-    Geometry, LightEmission, Media, MediumId, PassContext, PassError, Shading, Spectrum, Streams,
-    SurfaceKind,
+    Figure, Geometry, LightEmission, Media, MediumId, PassContext, PassError, Shading, Spectrum,
+    Streams, SurfaceKind,
 };
 use tyndall_kd_tree::{Photon, Photons};
 use tyndall_walk::{DirectLight, LightPaths, Route, Site, Vertex};
@@ -32,6 +32,27 @@ impl Emission {
     /// The number of the first path of a pass among all that were ever traced.
     pub fn first_path(&self, pass: u64) -> u64 {
         pass.saturating_mul(self.paths)
+    }
+
+    /// What a method tells of these options, see
+    /// [`Integrator::options`](tyndall_core::Integrator::options); `by_photons` is
+    /// [`DirectLight::BY_PHOTONS`].
+    pub fn options(&self, by_photons: bool) -> Vec<(&'static str, String)> {
+        vec![
+            ("paths", self.paths.to_string()),
+            ("max_bytes", self.max_bytes.to_string()),
+            ("sample_lights", (!by_photons).to_string()),
+        ]
+    }
+
+    /// What a method tells of a pass that has kept so many photons in media and on surfaces, see
+    /// [`Integrator::figures`](tyndall_core::Integrator::figures).
+    pub fn figures(&self, [media, surfaces]: [usize; 2]) -> Vec<Figure> {
+        vec![
+            Figure::total("light paths", self.paths),
+            Figure::total("photons in media", media as u64),
+            Figure::total("photons on surfaces", surfaces as u64),
+        ]
     }
 }
 
@@ -103,6 +124,12 @@ impl<S: Spectrum> PhotonMaps<S> {
             }
         }
         Ok(maps)
+    }
+
+    /// How many there are, in media and on surfaces.
+    pub fn photons(&self) -> [usize; 2] {
+        let volume = self.volume.iter().map(|(_, photons)| photons.len()).sum();
+        [volume, self.caustic.len() + self.diffuse.len()]
     }
 
     /// The photons in a medium, if there are any.

@@ -87,7 +87,7 @@ use points::Points;
 use reach::{Reach, Start};
 use std::marker::PhantomData;
 use tyndall_core::{
-    Geometry, Integrator, LightEmission, Media, PassContext, PassError, Sampler, SensorRay,
+    Figure, Geometry, Integrator, LightEmission, Media, PassContext, PassError, Sampler, SensorRay,
     Shading, StateError, Streams,
 };
 use tyndall_density::{Dimension, Kernel, RADII, Schedule, ScheduleError, Shrinkage};
@@ -318,6 +318,44 @@ where
         let radiance = radiance(host, ray, &mut points, sampler);
         points.remember();
         radiance
+    }
+
+    fn figures(&self, pass: &Self::Pass) -> Vec<Figure> {
+        let mut figures = self.emission.figures(pass.maps.photons());
+        if self.radii == Radii::Memoryless {
+            figures.extend([
+                Figure::range(
+                    "radius on surfaces over the starting one",
+                    pass.surfaces.scale,
+                ),
+                Figure::range("radius in media over the starting one", pass.media.scale),
+            ]);
+        }
+        figures
+    }
+
+    fn options(&self) -> Vec<(&'static str, String)> {
+        let mut options = self.emission.options(D::BY_PHOTONS);
+        options.push(("starting_paths", self.starting_paths.to_string()));
+        match (self.start, self.max_radius) {
+            (Start::Radius(radius), _) => options.push(("radius", radius.to_string())),
+            (Start::Nearest(photons), max_radius) => options.extend([
+                ("nearest", photons.to_string()),
+                (
+                    "max_radius",
+                    max_radius.map_or("a tenth of the scene".into(), |max| max.to_string()),
+                ),
+            ]),
+        }
+        let best = "2/3 on surfaces and 4/7 in media";
+        let alpha = self.alpha.map_or(best.into(), |alpha| alpha.to_string());
+        let statistics = self.radii == Radii::Statistics;
+        options.extend([
+            ("alpha", alpha),
+            ("kernel", self.kernel.to_string()),
+            ("statistics", statistics.to_string()),
+        ]);
+        options
     }
 
     fn save_pass(&self, _: &Self::Pass, _: &mut Vec<u8>) -> Result<(), StateError> {

@@ -26,7 +26,7 @@ pub(crate) struct Reach {
     /// Light paths of the pass over those for which the starting radius is meant.
     pub(crate) share: f64,
     /// Radius of the pass over the starting radius.
-    scale: f32,
+    pub(crate) scale: f32,
     max_radius: f32,
 }
 

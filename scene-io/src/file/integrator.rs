@@ -1,7 +1,7 @@
 //! `[integrator]`.
 
 use super::reader::{Field, Table};
-use crate::Error;
+use crate::{Error, Place};
 use tyndall_density::Kernel;
 
 /// What `[integrator]` says: plain data, for the command to make an integrator of.
@@ -18,6 +18,9 @@ pub struct IntegratorConfig {
     pub passes: Option<u64>,
     /// What methods that gather photons are told.
     pub photons: PhotonConfig,
+    /// The options that were set, and where: every key but `kind` and `passes`, which concern every
+    /// method.
+    pub set: Vec<(String, Place)>,
 }
 
 /// How often light may be scattered by media.
@@ -45,6 +48,12 @@ pub struct PhotonConfig {
     pub nearest: Option<usize>,
     /// No photon farther away is taken, in scene units.
     pub max_radius: Option<f32>,
+    /// [`PhotonConfig::radius`] on surfaces, where it is another than in media.
+    pub surface_radius: Option<f32>,
+    /// [`PhotonConfig::nearest`] on surfaces, where it is another than in media.
+    pub surface_nearest: Option<usize>,
+    /// [`PhotonConfig::max_radius`] on surfaces, where it is another than in media.
+    pub surface_max_radius: Option<f32>,
     /// How slowly radii shrink: the share of photons kept, in (0, 1].
     pub alpha: Option<f64>,
     /// The smoothing kernel.
@@ -61,13 +70,13 @@ pub struct PhotonConfig {
     pub tracking: Option<bool>,
 }
 
-/// The smoothing kernels by name.
-const KERNELS: [(&str, Kernel); 5] = [
-    ("constant", Kernel::Constant),
-    ("epanechnikov", Kernel::Epanechnikov),
-    ("biweight", Kernel::Biweight),
-    ("cone", Kernel::Cone),
-    ("gaussian", Kernel::Gaussian),
+/// The smoothing kernels.
+const KERNELS: [Kernel; 5] = [
+    Kernel::Constant,
+    Kernel::Epanechnikov,
+    Kernel::Biweight,
+    Kernel::Cone,
+    Kernel::Gaussian,
 ];
 
 impl IntegratorConfig {
@@ -79,6 +88,7 @@ impl IntegratorConfig {
             scattering: Scattering::Multiple,
             passes: None,
             photons: PhotonConfig::default(),
+            set: Vec::new(),
         }
     }
 }
@@ -106,19 +116,44 @@ pub(super) fn read(field: Option<&Field<'_>>) -> Result<IntegratorConfig, Error>
     config.passes = count(&table, "passes", 1, i64::MAX)?;
     config.photons = read_photons(&table)?;
     table.finish()?;
+    let options = (table.keys()).filter(|(key, _)| !["kind", "passes"].contains(key));
+    config.set = options
+        .map(|(k, place)| (k.into(), place.clone()))
+        .collect();
     Ok(config)
 }
 
-fn read_photons(table: &Table<'_>) -> Result<PhotonConfig, Error> {
-    let [radius, nearest, max_radius] =
-        ["radius", "nearest", "max_radius"].map(|key| table.optional(key));
-    for (key, other) in [("nearest", &nearest), ("max_radius", &max_radius)] {
-        if let (Some(_), Some(other)) = (&radius, other) {
-            return Err(other.error(format!(
-                "`radius` and `{key}` exclude each other: remove one"
-            )));
+/// A radius, or how it is found.
+struct Radii {
+    radius: Option<f32>,
+    nearest: Option<usize>,
+    max_radius: Option<f32>,
+}
+
+impl Radii {
+    /// From keys for each.
+    fn read(table: &Table<'_>, keys: [&'static str; 3]) -> Result<Self, Error> {
+        let [radius, nearest, max_radius] = keys.map(|key| table.optional(key));
+        for (key, other) in [(keys[1], &nearest), (keys[2], &max_radius)] {
+            if let (Some(_), Some(other)) = (&radius, other) {
+                return Err(other.error(format!(
+                    "`{}` and `{key}` exclude each other: remove one",
+                    keys[0]
+                )));
+            }
         }
+        Ok(Self {
+            radius: radius.map(|field| field.positive()).transpose()?,
+            max_radius: max_radius.map(|field| field.positive()).transpose()?,
+            nearest: count(table, keys[1], 2, 1 << 20)?.map(|n| n as usize),
+        })
     }
+}
+
+fn read_photons(table: &Table<'_>) -> Result<PhotonConfig, Error> {
+    let media = Radii::read(table, ["radius", "nearest", "max_radius"])?;
+    let surfaces = ["surface_radius", "surface_nearest", "surface_max_radius"];
+    let surfaces = Radii::read(table, surfaces)?;
     let alpha = table.optional("alpha").map(|field| {
         let range = "a number above 0 and at most 1";
         (field.number_that(|x| x as f32 > 0.0 && x <= 1.0, range)).and_then(|_| field.number())
@@ -131,14 +166,18 @@ fn read_photons(table: &Table<'_>) -> Result<PhotonConfig, Error> {
         let field = table.optional(key);
         field.map(|field| field.boolean()).transpose()
     };
+    let kernels = KERNELS.map(|kernel| kernel.to_string());
     Ok(PhotonConfig {
         paths: count(table, "paths", 1, 1 << 32)?,
         memory: count(table, "memory", 1, 1 << 40)?,
-        radius: radius.map(|field| field.positive()).transpose()?,
-        max_radius: max_radius.map(|field| field.positive()).transpose()?,
-        nearest: count(table, "nearest", 2, 1 << 20)?.map(|n| n as usize),
+        radius: media.radius,
+        nearest: media.nearest,
+        max_radius: media.max_radius,
+        surface_radius: surfaces.radius,
+        surface_nearest: surfaces.nearest,
+        surface_max_radius: surfaces.max_radius,
         alpha: alpha.transpose()?,
-        kernel: chosen("kernel", &KERNELS.map(|(name, _)| name))?.map(|i| KERNELS[i].1),
+        kernel: chosen("kernel", &kernels.each_ref().map(String::as_str))?.map(|i| KERNELS[i]),
         sample_lights: truth("sample_lights")?,
         final_gather: count(table, "final_gather", 1, 1 << 20)?.map(|n| n as u32),
         statistics: truth("statistics")?,

@@ -62,6 +62,13 @@ impl<'a> Table<'a> {
             .map(move |(key, node)| (key.as_str(), field.child(key, node)))
     }
 
+    /// The keys that are there, and where.
+    pub(crate) fn keys(&self) -> impl Iterator<Item = (&'a str, &'a Place)> {
+        self.entries
+            .iter()
+            .map(|(key, node)| (key.as_str(), &node.key))
+    }
+
     /// The table itself, to complain about.
     pub(crate) fn field(&self) -> &Field<'a> {
         &self.field

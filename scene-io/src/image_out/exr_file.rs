@@ -20,7 +20,8 @@ use tyndall_core::Spectrum;
 ///
 /// Metadata are attributes `tyndall.scene`, `.fingerprint`, `.integrator`, `.seed`, `.first_pass`,
 /// `.passes`, `.parts` (of a merge: a line of seed, first pass and passes each), `.seconds`,
-/// `.version`, `.channels`, `.non_finite` (samples that were not finite) and `.notes` (one a line);
+/// `.version`, `.channels`, `.non_finite` (samples that were not finite), `.figures` (what the integrator
+/// tells of its passes, as [`Figure`](tyndall_core::Figure) writes it) and `.notes`, one a line;
 /// those that are empty are left out. `software` and `comments` repeat the version and the notes for other programs.
 /// With a [`View`], the display window is the whole picture and the data window the image's part of
 /// it, and `worldToCamera`, `screenWindowCenter` and `screenWindowWidth` describe the camera (of
@@ -89,6 +90,7 @@ fn planes<S: Spectrum>(output: &RenderOutput<'_, S>) -> Vec<AnyChannel<FlatSampl
 
 fn described(metadata: &Metadata, colours: &[&str]) -> LayerAttributes {
     let notes = metadata.notes.join("\n");
+    let figures: Vec<_> = metadata.figures.iter().map(ToString::to_string).collect();
     let texts = [
         ("scene", metadata.scene.clone()),
         ("fingerprint", metadata.fingerprint.clone()),
@@ -101,6 +103,7 @@ fn described(metadata: &Metadata, colours: &[&str]) -> LayerAttributes {
         ("version", metadata.version.clone()),
         ("channels", colours.join(",")),
         ("non_finite", metadata.non_finite.to_string()),
+        ("figures", figures.join("\n")),
         ("notes", notes.clone()),
     ];
     let mut attributes = LayerAttributes::default();

@@ -86,6 +86,34 @@ impl Metadata {
         ours.find_map(|a| theirs.iter().find_map(|b| a.shared(b)))
     }
 
+    /// Passes between others of their seed that the image does not average.
+    pub fn missing_passes(&self) -> Vec<PassRange> {
+        let mut ranges = self.pass_ranges();
+        ranges.sort_unstable();
+        let gap = |pair: &[PassRange]| {
+            let (first, next) = (pair[0].end(), pair[1].first);
+            (pair[0].seed == pair[1].seed && first < next).then(|| PassRange {
+                first,
+                count: next - first,
+                ..pair[0]
+            })
+        };
+        ranges.windows(2).filter_map(gap).collect()
+    }
+
+    /// Whether passes of the same number, of different seeds, are averaged: progressive methods
+    /// give them the same radii.
+    pub fn repeats_passes(&self) -> bool {
+        let ranges = self.pass_ranges();
+        let overlap = |a: &PassRange, b: &PassRange| {
+            let same_seed = PassRange { seed: a.seed, ..*b };
+            a.shared(&same_seed).is_some()
+        };
+        let mut pairs = (ranges.iter().enumerate())
+            .flat_map(|(i, a)| ranges[i + 1..].iter().map(move |b| (a, b)));
+        pairs.any(|(a, b)| overlap(a, b))
+    }
+
     /// Says that the image averages the passes of another as well, adjacent ones of a seed as one
     /// range. The rest stays.
     ///

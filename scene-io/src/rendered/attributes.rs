@@ -4,6 +4,7 @@ use crate::{Metadata, PassRange};
 use exr::meta::attribute::AttributeValue;
 use exr::meta::header::Header;
 use std::str::FromStr;
+use tyndall_core::Figure;
 
 /// Attributes `tyndall.*`; what is not there stays as [`Metadata::default`] has it.
 pub(super) fn read(header: &Header) -> Result<Metadata, String> {
@@ -19,6 +20,7 @@ pub(super) fn read(header: &Header) -> Result<Metadata, String> {
         seconds: number("seconds", &text("seconds"))?,
         version: text("version"),
         non_finite: number("non_finite", &text("non_finite"))?,
+        figures: figures(&text("figures"))?,
         notes: text("notes").lines().map(str::to_owned).collect(),
     };
     let checked = metadata.check_passes();
@@ -52,4 +54,11 @@ fn number<T: FromStr + Default>(key: &str, text: &str) -> Result<T, String> {
 fn parts(text: &str) -> Result<Vec<PassRange>, String> {
     let parts: Result<_, String> = text.lines().map(str::parse).collect();
     parts.map_err(|e| format!("its attribute `tyndall.parts` is damaged: {e}"))
+}
+
+fn figures(text: &str) -> Result<Vec<Figure>, String> {
+    let figures: Result<_, _> = text.lines().map(str::parse).collect();
+    figures.map_err(|e| {
+        format!("its attribute `tyndall.figures` is damaged: {e}: render the image again")
+    })
 }

@@ -181,6 +181,12 @@ const BAD: &[(&str, &str, &str, &str)] = &[
         "integrator.scattering",
         "\"single\"",
     ),
+    (
+        "scattering = 'single'",
+        "surface_radius = 0.1\nsurface_nearest = 20",
+        "integrator.surface_nearest",
+        "`surface_radius` and `surface_nearest` exclude each other: remove one",
+    ),
     ("sigma_a = 0.1", "sigma_a = -1", "media.fog.sigma_a", "≥ 0"),
     (
         "sigma_a = 0.1",

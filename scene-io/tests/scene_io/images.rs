@@ -3,7 +3,7 @@
 use exr::prelude::{AttributeValue, read_all_data_from_file};
 use std::fs;
 use std::path::Path;
-use tyndall_core::{Domain, Rgb, Sampler, Spectrum, Streams};
+use tyndall_core::{Domain, Figure, Rgb, Sampler, Spectrum, Streams};
 use tyndall_scene_io::{
     Error, Metadata, RenderOutput, Scene, SceneFile, check_writable, write_exr, write_png,
 };
@@ -36,6 +36,10 @@ fn metadata() -> Metadata {
         seconds: 3.5,
         version: "0.1.0".into(),
         non_finite: 0,
+        figures: vec![
+            Figure::total("light paths", 9),
+            Figure::largest("error of transmittance", 0.004),
+        ],
         notes: vec!["max_depth 8: longer paths are missing".into(), "σ".into()],
     }
 }
@@ -82,6 +86,10 @@ fn exr_keeps_radiance_variance_and_metadata() {
     assert_eq!(channel("variance.G")[5], 0.5);
     let expected = [
         ("channels", "R,G,B"),
+        (
+            "figures",
+            "light paths: 9 in all\nerror of transmittance: 0.004 at most",
+        ),
         ("fingerprint", "5eed"),
         ("first_pass", "3"),
         ("integrator", "path"),

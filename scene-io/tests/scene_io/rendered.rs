@@ -7,7 +7,7 @@ use exr::prelude::{
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
-use tyndall_core::{Rgb, Spectrum};
+use tyndall_core::{Figure, Rgb, Spectrum};
 use tyndall_scene_io::{
     Metadata, PassRange, RenderOutput, RenderedImage, SceneFile, read_exr, write_exr,
 };
@@ -35,6 +35,10 @@ fn metadata() -> Metadata {
         seconds: 3.25,
         version: "0.1.0".into(),
         non_finite: 5,
+        figures: vec![
+            Figure::total("light paths", 1 << 60),
+            Figure::range("radius: σ", 0.1),
+        ],
         notes: vec!["a".into(), "b".into()],
     }
 }
@@ -306,6 +310,7 @@ fn damaged_attributes_are_errors() {
         ("seed", "-1"),
         ("parts", "1 2"),
         ("seconds", "x"),
+        ("figures", "light paths: many"),
     ] {
         let mut damaged = layer("", &[("Y", 1.0)]);
         damaged.attributes.other.insert(
@@ -315,4 +320,24 @@ fn damaged_attributes_are_errors() {
         let why = read_layers(vec![damaged]).unwrap_err();
         assert!(why.contains(&format!("tyndall.{key}")), "{why}");
     }
+}
+
+#[test]
+fn an_image_knows_which_passes_it_lacks_and_repeats() {
+    let range = |seed, first, count| PassRange { seed, first, count };
+    let with = |parts: &[PassRange]| Metadata {
+        parts: parts.to_vec(),
+        ..metadata()
+    };
+    let gaps = with(&[
+        range(2, 9, 1),
+        range(1, 4, 2),
+        range(1, 0, 3),
+        range(2, 3, 4),
+    ]);
+    assert_eq!(gaps.missing_passes(), [range(1, 3, 1), range(2, 7, 2)]);
+    assert!(gaps.repeats_passes(), "4 and 5 of both seeds");
+    let none = with(&[range(1, 0, 3), range(1, 3, 4), range(2, 7, 2)]);
+    assert_eq!(none.missing_passes(), []);
+    assert!(!none.repeats_passes());
 }

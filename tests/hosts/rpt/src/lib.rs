@@ -8,9 +8,16 @@
 //! opaque ones, closed shapes and meshes are fine.
 //!
 //! What `rpt` does not tell, it cannot lend: its materials keep the density of their samples to
-//! themselves, so there is no `ShadingPdf` here, and its lights have no emission to sample. Asking
-//! for either is an error of the compiler (see `tests/compile_fail`).
+//! themselves, so there is no `ShadingPdf` here. Asking for it is an error of the compiler (see
+//! `tests/compile_fail`).
+//!
+//! Its lights only tell how they light a given point. That is enough to start photons: see
+//! [`RptHost::sample_emission`](tyndall_core::LightEmission::sample_emission). What shines from
+//! infinity, or from an object that rays can hit, starts none;
+//! [`RptHost::check_photons`] tells.
 #![forbid(unsafe_code)]
+
+mod emission;
 
 use glam::{DVec3, Vec3};
 use rand::{SeedableRng, rngs::StdRng};
@@ -144,11 +151,13 @@ impl Shading for RptHost {
         SurfaceKind::Finite
     }
 
-    fn bsdf_eval(&self, hit: &RptHit, wo: Vec3, wi: Vec3, _: PathFrom) -> Rgb {
-        let f = self
-            .material(hit)
-            .bsdf(&hit.normal, &to_glm(wo), &to_glm(wi));
-        to_rgb(&f)
+    /// rpt only knows paths from the viewer; light sees the same with both ends exchanged.
+    fn bsdf_eval(&self, hit: &RptHit, wo: Vec3, wi: Vec3, from: PathFrom) -> Rgb {
+        let (viewer, light) = match from {
+            PathFrom::Sensor => (to_glm(wo), to_glm(wi)),
+            PathFrom::Light => (to_glm(wi), to_glm(wo)),
+        };
+        to_rgb(&self.material(hit).bsdf(&hit.normal, &viewer, &light))
     }
 
     fn bsdf_sample(

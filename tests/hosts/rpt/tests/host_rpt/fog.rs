@@ -10,9 +10,9 @@ use tyndall_testkit::closed_form::airlight;
 use tyndall_testkit::stats::check_means;
 use tyndall_testkit::{integrator_conformance, measure_mean};
 
-const FALSE_ALARM: f64 = 0.0027;
+pub(crate) const FALSE_ALARM: f64 = 0.0027;
 
-fn fog(sigma_a: Rgb, sigma_s: Rgb) -> Homogeneous<Rgb> {
+pub(crate) fn fog(sigma_a: Rgb, sigma_s: Rgb) -> Homogeneous<Rgb> {
     let coefficients = Coefficients {
         sigma_a,
         sigma_s,
@@ -22,7 +22,7 @@ fn fog(sigma_a: Rgb, sigma_s: Rgb) -> Homogeneous<Rgb> {
 }
 
 /// Looks along −z through a keyhole, so that every ray is the axis.
-fn keyhole(eye: glm::DVec3) -> Camera {
+pub(crate) fn keyhole(eye: glm::DVec3) -> Camera {
     Camera {
         eye,
         fov: 1e-6,
@@ -86,7 +86,7 @@ fn a_point_light_glows_in_fog() {
 }
 
 /// A ball over a floor, lit by an invisible lamp.
-fn ball(scale: f32) -> RptHost {
+pub(crate) fn ball(scale: f32) -> RptHost {
     let s = f64::from(scale);
     let mut scene = Scene::new();
     scene.add(

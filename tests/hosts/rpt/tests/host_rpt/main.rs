@@ -1,0 +1,4 @@
+//! rpt's scenes by Tyndall's integrators.
+
+mod fog;
+mod photons;
