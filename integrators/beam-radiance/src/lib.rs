@@ -77,7 +77,6 @@ pub use options::{Blur, Transmittance};
 pub use pass::Pass;
 
 use gather::BeamGather;
-use options::{Radii, ensure, shrinkage};
 use sight::Beams;
 use std::marker::PhantomData;
 use tyndall_core::{
@@ -85,20 +84,19 @@ use tyndall_core::{
     Shading, StateError, Streams,
 };
 use tyndall_density::{Dimension, Kernel};
-use tyndall_photons::{Emission, Gather, PhotonMaps, radiance};
+use tyndall_photons::{Emission, Gather, PhotonMaps, Progress, Reach, Start, radiance};
 use tyndall_walk::{ByPhotons, BySampling, DirectLight};
 
 /// The beam radiance estimate. `D` says who finds light that nothing has scattered before.
 #[derive(Clone, Copy, Debug)]
 pub struct BeamRadiance<D = ByPhotons> {
     emission: Emission,
-    starting_paths: u64,
-    volume: Radii,
-    surfaces: Radii,
+    progress: Progress,
+    volume: Reach,
+    surfaces: Reach,
     kernel: Kernel,
     blur: Blur,
     transmittance: Transmittance,
-    alpha: Option<f64>,
     direct: PhantomData<D>,
 }
 
@@ -121,13 +119,12 @@ impl<D> Default for BeamRadiance<D> {
     fn default() -> Self {
         Self {
             emission: Emission::default(),
-            starting_paths: Emission::default().paths,
-            volume: Radii::nearest(30),
-            surfaces: Radii::nearest(50),
+            progress: Progress::default(),
+            volume: Reach::nearest(30),
+            surfaces: Reach::nearest(50),
             kernel: Kernel::default(),
             blur: Blur::default(),
             transmittance: Transmittance::default(),
-            alpha: None,
             direct: PhantomData,
         }
     }
@@ -152,7 +149,7 @@ impl<D> BeamRadiance<D> {
     /// default.
     #[must_use]
     pub fn starting_paths(mut self, paths: u64) -> Self {
-        self.starting_paths = paths;
+        self.progress.starting_paths = paths;
         self
     }
 
@@ -160,44 +157,43 @@ impl<D> BeamRadiance<D> {
     /// [`BeamRadiance::starting_paths`]; 30 by default.
     #[must_use]
     pub fn nearest(mut self, photons: usize) -> Self {
-        self.volume.nearest = photons;
-        self.volume.fixed = None;
+        self.volume.start = Start::Nearest(photons);
         self
     }
 
-    /// But it is not larger than this; infinite by default.
+    /// But it is not larger than this at the start, in scene units; may be infinite. Without it, a
+    /// tenth of the diagonal of the host's bounds: see [`Reach::max_radius`].
     #[must_use]
     pub fn max_radius(mut self, radius: f32) -> Self {
-        self.volume.max = radius;
+        self.volume.max_radius = Some(radius);
         self
     }
 
     /// One radius for all photons in media.
     #[must_use]
     pub fn radius(mut self, radius: f32) -> Self {
-        self.volume.fixed = Some(radius);
+        self.volume.start = Start::Radius(radius);
         self
     }
 
     /// As [`BeamRadiance::nearest`] around points of surfaces; 50 by default.
     #[must_use]
     pub fn surface_nearest(mut self, photons: usize) -> Self {
-        self.surfaces.nearest = photons;
-        self.surfaces.fixed = None;
+        self.surfaces.start = Start::Nearest(photons);
         self
     }
 
     /// As [`BeamRadiance::max_radius`] on surfaces.
     #[must_use]
     pub fn surface_max_radius(mut self, radius: f32) -> Self {
-        self.surfaces.max = radius;
+        self.surfaces.max_radius = Some(radius);
         self
     }
 
     /// As [`BeamRadiance::radius`] on surfaces.
     #[must_use]
     pub fn surface_radius(mut self, radius: f32) -> Self {
-        self.surfaces.fixed = Some(radius);
+        self.surfaces.start = Start::Radius(radius);
         self
     }
 
@@ -228,21 +224,8 @@ impl<D> BeamRadiance<D> {
     /// variances ∝ 1/r²: those of discs, balls and surfaces.
     #[must_use]
     pub fn alpha(mut self, alpha: impl Into<Option<f64>>) -> Self {
-        self.alpha = alpha.into();
+        self.progress.alpha = alpha.into();
         self
-    }
-
-    fn check(&self) -> Result<(), PassError> {
-        ensure(self.emission.paths > 0, || {
-            "`paths` is 0; trace 1 light path a pass at least".to_owned()
-        })?;
-        ensure(self.starting_paths > 0, || {
-            "`starting_paths` is 0; give 1 at least".to_owned()
-        })?;
-        self.volume.check("")?;
-        self.surfaces.check("surface_")?;
-        self.transmittance.check()?;
-        shrinkage(Dimension::Two, self.alpha).map(drop)
     }
 }
 
@@ -260,10 +243,15 @@ where
         cx: &PassContext<'_, R>,
         previous: Option<Self::Pass>,
     ) -> Result<Self::Pass, PassError> {
-        self.check()?;
         drop(previous); // its memory is wanted
+        self.transmittance.check()?;
+        let (two, bounds) = (Dimension::Two, host.bounds());
+        // Balls, too, shrink as two dimensions do: a ray meets r² of them, each for a chord of r/r³.
+        let share = self.progress.share(two, self.emission, cx.pass)?;
+        let volume = (self.volume).in_pass("", Dimension::Three, share, bounds)?;
+        let surfaces = (self.surfaces).in_pass("surface_", two, share, bounds)?;
         let maps = PhotonMaps::trace::<H, D, R>(host, cx, self.emission)?;
-        Pass::build(self, maps, self.emission.first_path(cx.pass))
+        Pass::build(maps, surfaces, volume, self.blur)
     }
 
     fn estimate(

@@ -65,31 +65,4 @@ impl Chord {
             length,
         })
     }
-
-    /// ∫ Tr dt over the chord in a medium of extinction σt ≥ 0, in scene units, per channel:
-    /// e^(−σt a) (1 − e^(−σt s))/σt for a start a and a length s.
-    ///
-    /// Relative error 2⁻²² (1 + σt a), for any σt from 0 to infinity.
-    ///
-    /// ```
-    /// use tyndall_density::Chord;
-    /// let chord = Chord { start: 0.0, length: 1.0 };
-    /// assert_eq!(chord.transmittance(0.0_f32), 1.0);
-    /// assert!((chord.transmittance(1.0_f32) - 0.632_120_56).abs() < 1e-6);
-    /// ```
-    #[inline]
-    pub fn transmittance<S: Spectrum>(&self, sigma_t: S) -> S {
-        sigma_t.map(|sigma_t| {
-            let depth = sigma_t * self.length;
-            if depth == 0.0 {
-                return self.length;
-            }
-            let before = if self.start > 0.0 {
-                (-sigma_t * self.start).exp()
-            } else {
-                1.0
-            };
-            before * (-(-depth).exp_m1() / sigma_t)
-        })
-    }
 }

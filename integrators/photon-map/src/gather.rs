@@ -1,33 +1,31 @@
 //! What is gathered along a walk of sight.
 
-use crate::PhotonMap;
+use crate::{Pass, PhotonMap};
 use glam::Vec3;
 use std::marker::PhantomData;
-use tyndall_core::{Geometry, Media, Medium, MediumId, PhaseFunction, Sampler, Shading, Spectrum};
+use tyndall_core::{Geometry, Media, MediumId, Sampler, Shading};
 use tyndall_density::SurfacePoint;
-use tyndall_photons::{Gather, Incident, PhotonMaps, Sight};
-use tyndall_walk::{DirectLight, Event, Segment, Site, Vertex, Walk};
+use tyndall_photons::{Gather, Incident, PhotonMaps, Sight, collided};
+use tyndall_walk::{DirectLight, Event, Segment, Vertex, Walk};
 
 /// The photons of a pass, and how they are gathered.
 pub(crate) struct Gathering<'p, H: Geometry + Shading + Media, D> {
     host: &'p H,
     options: &'p PhotonMap<D>,
     maps: &'p PhotonMaps<H::Spectrum>,
-    gather: Gather,
+    surfaces: Gather,
+    media: Gather,
     direct: PhantomData<D>,
 }
 
 impl<'p, H: Geometry + Shading + Media, D: DirectLight<H>> Gathering<'p, H, D> {
-    pub(crate) fn new(
-        host: &'p H,
-        options: &'p PhotonMap<D>,
-        maps: &'p PhotonMaps<H::Spectrum>,
-    ) -> Self {
+    pub(crate) fn new(host: &'p H, options: &'p PhotonMap<D>, pass: &'p Pass<H::Spectrum>) -> Self {
         Self {
             host,
             options,
-            maps,
-            gather: Gather::new(options.search(), options.kernel),
+            maps: &pass.maps,
+            surfaces: Gather::new(pass.surfaces, options.kernel),
+            media: Gather::new(pass.media, options.kernel),
             direct: PhantomData,
         }
     }
@@ -42,7 +40,7 @@ impl<'p, H: Geometry + Shading + Media, D: DirectLight<H>> Gathering<'p, H, D> {
         wo: Vec3,
     ) -> H::Spectrum {
         match self.maps.in_medium(id) {
-            Some(photons) => (self.gather.medium(photons, position, wo, medium)).radiance,
+            Some(photons) => (self.media.medium(photons, position, wo, medium)).radiance,
             None => H::Spectrum::default(),
         }
     }
@@ -74,42 +72,16 @@ impl<H: Geometry + Shading + Media, D: DirectLight<H>> Sight<H> for Gathering<'_
         (scattered + direct, walk.transmit(segment, sampler))
     }
 
-    /// What is scattered there per scene unit over σt, the density of collisions.
     fn collision(&mut self, vertex: &Vertex<H>, sampler: &mut impl Sampler) -> H::Spectrum {
-        let (Site::Collision(coefficients), Some(medium)) =
-            (&vertex.site, self.host.medium(vertex.medium))
-        else {
-            return H::Spectrum::default();
-        };
-        let (position, wo, albedo) = (vertex.position, vertex.wo, coefficients.albedo());
-        let scattered = self.in_scattered(medium, vertex.medium, position, wo);
-        let phase = medium.phase(position);
-        let direct = D::scattered(
-            self.host,
-            &vertex.anchor(),
-            position,
-            |_| vertex.medium,
-            |wi| albedo * phase.eval(wo, wi),
-            sampler,
-        );
-        // A channel that does not collide here carries nothing here.
-        let over = |scattered, sigma_t| {
-            if sigma_t > 0.0 {
-                scattered / sigma_t
-            } else {
-                0.0
-            }
-        };
-        direct + scattered.zip(coefficients.sigma_t(), over)
+        let (id, position, wo) = (vertex.medium, vertex.position, vertex.wo);
+        collided::<H, D>(self.host, vertex, sampler, |medium| {
+            self.in_scattered(medium, id, position, wo)
+        })
     }
 
     fn surface(&mut self, point: &SurfacePoint<'_, H>, light: Incident) -> H::Spectrum {
-        let Self { maps, gather, .. } = self;
-        let caustic = gather.surface(&maps.caustic, point, true).radiance;
-        match light {
-            Incident::Unscattered => caustic,
-            Incident::All => caustic + gather.surface(&maps.diffuse, point, false).radiance,
-        }
+        let photons = self.maps.surfaces();
+        self.surfaces.incident(photons, point, light).radiance
     }
 
     fn final_gather(&self) -> u32 {

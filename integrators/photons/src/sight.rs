@@ -1,7 +1,9 @@
 //! The walk of sight that photon methods share.
 
 use glam::Vec3;
-use tyndall_core::{Geometry, Media, Medium, Sampler, SensorRay, Shading, Spectrum, SurfaceKind};
+use tyndall_core::{
+    Geometry, Media, Medium, PhaseFunction, Sampler, SensorRay, Shading, Spectrum, SurfaceKind,
+};
 use tyndall_density::SurfacePoint;
 use tyndall_walk::{DirectLight, Event, Segment, Site, Vertex, Walk};
 
@@ -62,6 +64,36 @@ pub fn radiance<H: Geometry + Shading + Media>(
         walks: sight.final_gather(),
     };
     follow(host, Walk::from_sensor(host, start), state, sight, sampler)
+}
+
+/// What a medium scatters where a walk of sight collided, per unit of what the walk carried there: light
+/// that `D` samples, and of that which photons bring what `gather` finds. It returns radiance per scene
+/// unit; what a walk carries has the density of collisions, σt, in it.
+pub fn collided<H: Geometry + Shading + Media, D: DirectLight<H>>(
+    host: &H,
+    vertex: &Vertex<H>,
+    sampler: &mut impl Sampler,
+    gather: impl FnOnce(&H::Medium) -> H::Spectrum,
+) -> H::Spectrum {
+    let (Site::Collision(coefficients), Some(medium)) = (&vertex.site, host.medium(vertex.medium))
+    else {
+        return H::Spectrum::default();
+    };
+    let (phase, albedo) = (medium.phase(vertex.position), coefficients.albedo());
+    let direct = D::scattered(
+        host,
+        &vertex.anchor(),
+        vertex.position,
+        |_| vertex.medium,
+        |wi| albedo * phase.eval(vertex.wo, wi),
+        sampler,
+    );
+    // A channel that does not collide here carries nothing here.
+    let per_collision = |radiance, sigma_t| match sigma_t {
+        0.0 => 0.0,
+        sigma_t => radiance / sigma_t,
+    };
+    direct + gather(medium).zip(coefficients.sigma_t(), per_collision)
 }
 
 /// Where a walk of sight stands.

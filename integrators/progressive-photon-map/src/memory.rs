@@ -1,9 +1,9 @@
 //! What passes and pixels hold.
 
-use crate::reach::{Reach, Start};
+use crate::reach::Reach;
 use tyndall_core::StateError;
 use tyndall_density::Statistics;
-use tyndall_photons::PhotonMaps;
+use tyndall_photons::{PhotonMaps, Search};
 
 /// The photons of a pass, and how far to gather them.
 #[derive(Clone, Debug)]
@@ -11,6 +11,13 @@ pub struct Pass<S> {
     pub(crate) maps: PhotonMaps<S>,
     pub(crate) surfaces: Reach,
     pub(crate) media: Reach,
+}
+
+impl<S> Pass<S> {
+    /// See [`PhotonMaps::lost`].
+    pub fn lost(&self) -> u64 {
+        self.maps.lost
+    }
 }
 
 /// What a pixel remembers of the photons that its walks of sight have found, 32 bytes: nothing
@@ -109,10 +116,11 @@ impl<'p> Place<'p> {
         };
         let found = self.found as f64;
         if statistics.count == 0.0 && found > 0.0 {
-            statistics.count = match self.reach.start {
-                Start::Nearest(photons) => photons as f64,
-                Start::Radius(_) => found / self.reach.share,
+            let of_pass = match self.reach.search {
+                Search::Nearest(neighbours) => neighbours.photons,
+                Search::Within(_) => found,
             };
+            statistics.count = of_pass / self.reach.share;
         }
         statistics.update(found, self.reach.shrinkage);
     }
