@@ -1,8 +1,8 @@
 //! The beam radiance estimate: photons in media, gathered along a whole ray at once.
 //!
 //! Light paths leave photons where they collide. Around each lies a disc that faces whatever ray
-//! passes, as large as the photons are sparse there; a ray takes all discs that it goes through,
-//! in one traversal of a tree: no marching, no steps to choose, no place looked up twice. With Φ the
+//! passes, as large as the photons are sparse there; a ray takes all discs that it goes through, in
+//! one traversal of a tree: no marching, no steps to choose, no place looked up twice. With Φ the
 //! power that arrives at a photon, α the albedo there, t its distance along the ray and d from it,
 //!
 //! ```text
@@ -10,8 +10,8 @@
 //! ```
 //!
 //! or, smoothed in three dimensions, the constant density of a ball times ∫Tr dt over the chord:
-//! [`Blur`]. Radii reach to the k-th nearest other photon or are fixed, and shrink from pass to pass
-//! so that the mean over passes converges: [`BeamRadiance::alpha`].
+//! [`Blur`]. Radii reach to the k-th nearest other photon or are fixed, and shrink from pass to
+//! pass so that the mean over passes converges: [`BeamRadiance::alpha`].
 //!
 //! Surfaces gather the photons on them, straight and through specular surfaces.
 //!
@@ -29,10 +29,11 @@
 //!
 //! # Bias and variance
 //! A radius blurs light over it: the bias is ∝ r². Within r of the boundary of a medium it is ∝ r,
-//! for there are photons on one side alone, and light is lost. With the default α the squared
-//! error falls fastest with passes, the error as n^−1/3: with discs, and with balls too, for their
-//! variance along a ray is ∝ 1/r² as well (measured: shrunk as three dimensions would, n^−0.36 while
-//! noise rules and n^−2/7 in the end). It does not depend on how the paths are cut into passes. `alpha(1)` keeps the blur for less noise.
+//! for there are photons on one side alone, and light is lost. With the default α the squared error
+//! falls fastest with passes, the error as n^−1/3: with discs, and with balls too, for their
+//! variance along a ray is ∝ 1/r² as well (measured: shrunk as three dimensions would, n^−0.36
+//! while noise rules and n^−2/7 in the end). It does not depend on how the paths are cut into
+//! passes. `alpha(1)` keeps the blur for less noise.
 //!
 //! In media that are not the same everywhere, [`Transmittance::Table`] adds a bias no larger than
 //! its `max_error`, reported by [`Pass::transmittance_error`]; [`Transmittance::Tracking`] adds
@@ -40,14 +41,15 @@
 //!
 //! # What it does not handle well
 //! All light of a pass is one sample: what it blurs is blurred in all pixels. Many photons in one
-//! place (a laser's first mean free path, seen from within) have radii that `nearest` makes tiny and
-//! `radius` bright. More than k photons at one point have no radius and are left out. Thin media
-//! hold few photons: collisions are where light was absorbed or scattered, and nothing forces any.
+//! place (a laser's first mean free path, seen from within) have radii that `nearest` makes tiny
+//! and `radius` bright. More than k (or 16) photons at one point have no radius and are left out.
+//! Thin media hold few photons: collisions are where light was absorbed or scattered, and nothing
+//! forces any.
 //!
 //! # Promised ranges
-//! σt from 0 to 1e6 mean free paths a scene, any albedo in \[0, 1\], any phase function. Radii within
-//! [`RADII`](tyndall_density::RADII): those beyond are left out if they were found, and refused
-//! if they were given. Scenes of 1e-8 to 1e8 units.
+//! σt from 0 to 1e6 mean free paths a scene, any albedo in \[0, 1\], any phase function. Radii
+//! within [`RADII`](tyndall_density::RADII): those beyond are left out if they were found, and
+//! refused if they were given. Scenes of 1e-8 to 1e8 units.
 //!
 //! # Cost
 //! Linear in light paths; a ray costs what lies along it, ∝ N^(1/3)·k^(2/3) photons of N. A photon
@@ -56,8 +58,8 @@
 //!
 //! # References
 //! - Wojciech Jarosz, Matthias Zwicker, Henrik Wann Jensen (2008), "The Beam Radiance Estimate for
-//!   Volumetric Photon Mapping". Deviation: transmittance is to where the ray passes the photon, and
-//!   in uneven media from an adaptive table rather than one of even steps.
+//!   Volumetric Photon Mapping". Deviation: transmittance is to where the ray passes the photon,
+//!   and in uneven media from an adaptive table rather than one of even steps.
 //! - Jaroslav Křivánek et al. (2014), "Unifying Points, Beams, and Paths in Volumetric Light
 //!   Transport Simulation": the estimators over discs and balls.
 //! - Claude Knaus, Matthias Zwicker (2011), "Progressive Photon Mapping: A Probabilistic Approach".
@@ -246,7 +248,7 @@ where
         drop(previous); // its memory is wanted
         self.transmittance.check()?;
         let (two, bounds) = (Dimension::Two, host.bounds());
-        // Balls, too, shrink as two dimensions do: a ray meets r² of them, each for a chord of r/r³.
+        // For balls too: a ray meets r² photons, each for a chord of r/r³.
         let share = self.progress.share(two, self.emission, cx.pass)?;
         let volume = (self.volume).in_pass("", Dimension::Three, share, bounds)?;
         let surfaces = (self.surfaces).in_pass("surface_", two, share, bounds)?;

@@ -35,8 +35,9 @@ pub enum Transmittance {
 }
 
 impl Default for Transmittance {
-    /// A table of error 1e-2: no noise. Sixteen flights cost less than half as much a ray in a plume
-    /// of 64³ voxels (`cargo bench -p tyndall-beam-radiance -- smoke`), and add theirs to every ray.
+    /// A table of error 1e-2: no noise. Sixteen flights cost less than half as much a ray in a
+    /// plume of 64³ voxels (`cargo bench -p tyndall-beam-radiance -- smoke`), and add theirs to
+    /// every ray.
     fn default() -> Self {
         Self::Table { max_error: 1e-2 }
     }

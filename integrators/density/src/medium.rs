@@ -8,8 +8,8 @@ use tyndall_core::{PhaseFunction, Spectrum};
 ///
 /// `scattered_flux` is Φₛ = (σs/σt)·Φ: photons lie at collisions and carry what arrives there.
 /// `photon_direction` is that of travel, `wo` a unit vector towards the sensor. Multiplied by the
-/// weight of a kernel in 3D it is radiance per unit of length along the ray; by one in 2D, radiance.
-/// See the table of the crate.
+/// weight of a kernel in 3D it is radiance per unit of length along the ray; by one in 2D,
+/// radiance. See the table of the crate.
 ///
 /// Jensen & Christensen (1998), "Efficient Simulation of Light Transport in Scenes with
 /// Participating Media using Photon Maps"; Jarosz, Zwicker & Jensen (2008), "The Beam

@@ -30,8 +30,8 @@ impl<'p, H: Geometry + Shading + Media, D: DirectLight<H>> Gathering<'p, H, D> {
         }
     }
 
-    /// Radiance per scene unit that the medium at `position` scatters towards `wo` of the light that
-    /// photons bring.
+    /// Radiance per scene unit that the medium at `position` scatters towards `wo` of the light
+    /// that photons bring.
     fn in_scattered(
         &mut self,
         medium: &H::Medium,

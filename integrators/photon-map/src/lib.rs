@@ -141,8 +141,9 @@ impl<D> PhotonMap<D> {
         self
     }
 
-    /// Gathers as far as the `count`-th nearest photon, at least 2; 60 by default. The same for
-    /// surfaces and media: in both the relative noise of an estimate is about 1/√count.
+    /// Gathers as far as the `count`-th nearest photon, at least 2 (below 16, as far as it lies on
+    /// average where the 16th is); 60 by default. The same for surfaces and media: in both the
+    /// relative noise of an estimate is about 1/√count.
     #[must_use]
     pub fn nearest(mut self, count: usize) -> Self {
         self.reach.start = Start::Nearest(count);
@@ -157,8 +158,9 @@ impl<D> PhotonMap<D> {
         self
     }
 
-    /// The [nearest](PhotonMap::nearest) are looked for no farther than this, in scene units; may be
-    /// infinite. Without it, a tenth of the diagonal of the host's bounds: see [`Reach::max_radius`].
+    /// The [nearest](PhotonMap::nearest) are looked for no farther than this, in scene units; may
+    /// be infinite. Without it, a tenth of the diagonal of the host's bounds: see
+    /// [`Reach::max_radius`].
     #[must_use]
     pub fn max_radius(mut self, radius: f32) -> Self {
         self.reach.max_radius = Some(radius);

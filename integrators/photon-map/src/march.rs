@@ -37,10 +37,10 @@ impl March {
     /// has. `source` is asked at distances along the ray, in their order.
     ///
     /// Points are stratified in the optical depth of the majorant, one in each step: none lie where
-    /// there is no substance. A channel that has lost nine tenths plays Russian roulette before each
-    /// step, so that opaque and infinite segments end. The channels of a homogeneous medium are
-    /// known: one that does not scatter is not marched for, and once the denser ones have ended the
-    /// steps are those of the others.
+    /// there is no substance. A channel that has lost nine tenths plays Russian roulette before
+    /// each step, so that opaque and infinite segments end. The channels of a homogeneous medium
+    /// are known: one that does not scatter is not marched for, and once the denser ones have ended
+    /// the steps are those of the others.
     pub(crate) fn integrate<M: Medium, T: Sampler>(
         self,
         medium: &M,

@@ -14,8 +14,8 @@ use tyndall_walk::{DirectLight, LightPaths, Route, Site, Vertex};
 pub struct Emission {
     /// Light paths emitted in a pass, at least 1.
     pub paths: u64,
-    /// Bytes that photons may take while they are traced, 44 each in three channels. What is kept of
-    /// them is less, and is made map by map beside them.
+    /// Bytes that photons may take while they are traced, 44 each in three channels. What is kept
+    /// of them is less, and is made map by map beside them.
     pub max_bytes: u64,
 }
 
@@ -62,15 +62,15 @@ enum Map {
 }
 
 impl<S: Spectrum> PhotonMaps<S> {
-    /// Traces the light paths of a pass. Photons are stored at collisions, unless the albedo is zero,
-    /// and at surfaces that scatter into many directions.
+    /// Traces the light paths of a pass. Photons are stored at collisions, unless the albedo is
+    /// zero, and at surfaces that scatter into many directions.
     ///
     /// Whether a sensor will look there is not asked: mirrors and scattering between surfaces make
     /// that as dear to know as the picture itself.
     ///
     /// # Errors
-    /// See [`LightPaths::collect`]; [`PassError::Unsupported`] for no paths, and for more photons than
-    /// a map can number.
+    /// See [`LightPaths::collect`]; [`PassError::Unsupported`] for no paths, and for more photons
+    /// than a map can number.
     pub fn trace<H, D, R>(
         host: &H,
         cx: &PassContext<'_, R>,

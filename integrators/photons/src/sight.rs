@@ -66,9 +66,9 @@ pub fn radiance<H: Geometry + Shading + Media>(
     follow(host, Walk::from_sensor(host, start), state, sight, sampler)
 }
 
-/// What a medium scatters where a walk of sight collided, per unit of what the walk carried there: light
-/// that `D` samples, and of that which photons bring what `gather` finds. It returns radiance per scene
-/// unit; what a walk carries has the density of collisions, σt, in it.
+/// What a medium scatters where a walk of sight collided, per unit of what the walk carried there:
+/// light that `D` samples, and of that which photons bring what `gather` finds. It returns radiance
+/// per scene unit; what a walk carries has the density of collisions, σt, in it.
 pub fn collided<H: Geometry + Shading + Media, D: DirectLight<H>>(
     host: &H,
     vertex: &Vertex<H>,

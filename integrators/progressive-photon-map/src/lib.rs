@@ -34,11 +34,11 @@
 //! r(n)ᵈ = r₀ᵈ (1 + n/n₀)^(α−1),   d = 2 on surfaces, 3 in media
 //! ```
 //!
-//! exactly in the memoryless way ([`Schedule`](tyndall_density::Schedule)), and by statistics wherever photons are spread
-//! evenly: a pixel begins as if it had kept the k photons of its starting radius. The picture to
-//! be expected after n paths then does not depend on how many of them make a pass. By statistics
-//! this holds while passes are small beside n₀: with n₀ paths a pass radii stay wider by 4 % in
-//! media and 5 % on surfaces, with 16 n₀ by 31 % and 39 %.
+//! exactly in the memoryless way ([`Schedule`](tyndall_density::Schedule)), and by statistics
+//! wherever photons are spread evenly: a pixel begins as if it had kept the k photons of its
+//! starting radius. The picture to be expected after n paths then does not depend on how many of
+//! them make a pass. By statistics this holds while passes are small beside n₀: with n₀ paths a
+//! pass radii stay wider by 4 % in media and 5 % on surfaces, with 16 n₀ by 31 % and 39 %.
 //!
 //! # Bias and variance
 //! Of n paths the variance is ∝ n^−α and the bias ∝ n^−2(1−α)/d; with the default α = 4/(4 + d)
@@ -47,21 +47,23 @@
 //! medium and of a surface, and of corners; there it falls only with the radius, not its square.
 //!
 //! # What it does not handle well
-//! By statistics, a pixel whose walks end in bright places and in dark ones has one radius for all of
-//! them. Where a medium thins out to nothing, photons that lie in denser places count at collisions in
-//! thin ones: rare bright samples. Media that emit are seen but do not light their surroundings.
-//! Radii of a pass that leaves only a few photons in a map are those of the whole map.
+//! By statistics, a pixel whose walks end in bright places and in dark ones has one radius for all
+//! of them. Where a medium thins out to nothing, photons that lie in denser places count at
+//! collisions in thin ones: rare bright samples. Media that emit are seen but do not light their
+//! surroundings. Radii of a pass that leaves only a few photons in a map are those of the whole
+//! map.
 //!
 //! # Promised ranges
-//! Radii from 1e-12 to 1e12 scene units ([`RADII`](tyndall_density::RADII)) as they are given and as they have shrunk, α in
-//! (0, 1], any extinction, any albedo, 1 to 2⁶⁴ light paths in all. What is out of range is an
-//! error of the first pass that meets it.
+//! Radii from 1e-12 to 1e12 scene units ([`RADII`](tyndall_density::RADII)) as they are given and
+//! as they have shrunk, α in (0, 1], any extinction, any albedo, 1 to 2⁶⁴ light paths in all. What
+//! is out of range is an error of the first pass that meets it.
 //!
 //! # Cost
-//! Memory: the photons of one pass, 29.5 bytes each in three channels; the list that maps are built of,
-//! 44 bytes a photon, is bounded by [`max_bytes`](ProgressivePhotonMap::max_bytes); and a [`Pixel`], 32 bytes.
-//! Time: linear in light paths, and a search a vertex of sight, ∝ the logarithm of the photons;
-//! the memoryless way looks for the nearest photons in every pass, statistics in the first alone.
+//! Memory: the photons of one pass, 29.5 bytes each in three channels; the list that maps are built
+//! of, 44 bytes a photon, is bounded by [`max_bytes`](ProgressivePhotonMap::max_bytes); and a
+//! [`Pixel`], 32 bytes. Time: linear in light paths, and a search a vertex of sight, ∝ the
+//! logarithm of the photons; the memoryless way looks for the nearest photons in every pass,
+//! statistics in the first alone.
 //!
 //! # References
 //! - Toshiya Hachisuka, Shinji Ogaki, Henrik Wann Jensen (2008), "Progressive Photon Mapping".

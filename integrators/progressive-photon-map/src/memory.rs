@@ -25,8 +25,8 @@ impl<S> Pass<S> {
 ///
 /// Its vertices are new in every pass; those on surfaces share one radius and count, those in media
 /// another (Hachisuka & Jensen 2009, "shared statistics"). The flux that the paper stores as well
-/// is not here: the mean over passes of what each estimates, with its radius before the update, *is*
-/// the paper's estimate (see [`Statistics`]), and the film takes it.
+/// is not here: the mean over passes of what each estimates, with its radius before the update,
+/// *is* the paper's estimate (see [`Statistics`]), and the film takes it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pixel {
     /// Of its vertices on surfaces. Radius 0: none has found a photon yet.

@@ -120,8 +120,8 @@ pub enum Route {
 
 impl<H: Geometry + Shading + Media> Walk<'_, H> {
     /// Walks to the end. `visit` is told every vertex, the flux that arrives there (before the
-    /// scattering, in W) and what the light has met before. The first where the flux or the place is
-    /// not finite is the last: Russian roulette would not end such a walk.
+    /// scattering, in W) and what the light has met before. The first where the flux or the place
+    /// is not finite is the last: Russian roulette would not end such a walk.
     pub fn visit(
         mut self,
         sampler: &mut impl Sampler,

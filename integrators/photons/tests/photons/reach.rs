@@ -108,7 +108,7 @@ fn a_pass_has_its_share_of_photons_and_of_the_radius() {
     };
     let share = progress.share(Dimension::Three, emission, 70).expect("one");
     assert_eq!(share.paths, 0.1);
-    // r³ = (1 + n/n₀)^−0.6 in the middle of paths 7,000 to 7,100; the mean of r² is as good as there.
+    // r³ = (1 + n/n₀)^−0.6, of the middle of paths 7,000 to 7,100.
     let expected = (1.0 + 7.05_f64).powf(-0.2);
     assert!((f64::from(share.radius) / expected - 1.0).abs() < 1e-5);
     let search = Reach::nearest(40).in_pass("", Dimension::Three, share, BOUNDS);
@@ -136,9 +136,9 @@ fn even(count: usize, dimension: Dimension, seed: u64) -> Photons<f32> {
     Photons::build(&photons.collect::<Vec<_>>()).expect("photons")
 }
 
-/// Radii of 50 photons of 5,000, in passes of 10 to 5,000, and with a cap. Of n photons the distance to
-/// the k-th, to the power d, is Beta-distributed, and its mean Π j/(j + 1/d) over j from k to n. With
-/// the 16th looked for, or the 10th of 10, that is (k/n)^(1/d) to a few per cent.
+/// Radii of 50 photons of 5,000, in passes of 10 to 5,000, and with a cap. Of n photons the
+/// distance to the k-th, to the power d, is Beta-distributed, and its mean Π j/(j + 1/d) over j
+/// from k to n. With the 16th looked for, or the 10th of 10, that is (k/n)^(1/d) to a few per cent.
 #[test]
 fn expected_radii_do_not_depend_on_the_paths_of_a_pass() {
     for dimension in [Dimension::Two, Dimension::Three] {
