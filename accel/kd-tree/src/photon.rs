@@ -21,6 +21,12 @@ pub struct Photon<S> {
 }
 
 impl<S: Spectrum> Photon<S> {
+    /// Whether it can be stored: a position within bounds, a direction of length 1 ± 0.001, and a
+    /// flux that is finite.
+    pub fn is_storable(&self) -> bool {
+        self.check(0).is_ok()
+    }
+
     /// Whether photon `index` of a list can be stored.
     pub(crate) fn check(&self, index: usize) -> Result<(), BuildError> {
         if !self.position.abs().cmple(Vec3::splat(FARTHEST)).all() {

@@ -23,8 +23,8 @@ impl<S: Spectrum> Photons<S> {
     /// Stores photons, on the threads of the current pool of `rayon`; the same to the bit on any
     /// number of them.
     ///
-    /// While it runs it takes up to 34 bytes a photon of three channels beside the list, no more than
-    /// 4.5 above what the tree then holds.
+    /// While it runs it takes up to 34 bytes a photon of three channels beside the list, no more
+    /// than 4.5 above what the tree then holds.
     ///
     /// # Errors
     /// If a position is not finite or beyond 1e18, a direction is not of length 1 ± 0.001, or a

@@ -19,9 +19,10 @@ impl<S: Spectrum> Photons<S> {
     /// Where there are no `k` others it is `max_radius`, or if that is infinite the diagonal of the
     /// box around all. A `max_radius` that is negative or NaN counts as 0.
     ///
-    /// A radius is 0 for `k` = 0, for a photon alone if `max_radius` is infinite, and where more than `k` photons coincide, as
-    /// they do far from the origin, where positions are rounded: there they have no density. What
-    /// cannot use that may take the rounding of the position for the least radius:
+    /// A radius is 0 for `k` = 0, for a photon alone if `max_radius` is infinite, and where more
+    /// than `k` photons coincide, as they do far from the origin, where positions are rounded:
+    /// there they have no density. What cannot use that may take the rounding of the position for
+    /// the least radius:
     ///
     /// ```
     /// use glam::Vec3;

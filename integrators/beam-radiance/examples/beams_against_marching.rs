@@ -13,10 +13,10 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 use tyndall_beam_radiance::{BeamRadiance, Blur};
 use tyndall_core::{Coefficients, Integrator, PassContext, Ray, Sampler, Sensor};
-use tyndall_density::Kernel;
+use tyndall_density::{Dimension, Kernel};
 use tyndall_driver::PassStreams;
 use tyndall_media::{Homogeneous, Phase};
-use tyndall_photons::{Emission, Gather, PhotonMaps, Search};
+use tyndall_photons::{Emission, Gather, Neighbours, PhotonMaps, Search};
 use tyndall_testkit::closed_form::airlight;
 use tyndall_testkit::hosts::{AnalyticHost, View};
 use tyndall_testkit::rng;
@@ -138,12 +138,12 @@ fn main() {
         };
         let maps = PhotonMaps::trace::<_, ByPhotons, _>(&host, &cx, emission).expect("photons");
         for (&steps, sums) in steps.iter().zip(&mut marched) {
-            for (count, sums) in [30, 100].into_iter().zip(sums) {
-                let search = Search::Nearest {
-                    count,
+            for (photons, sums) in [30.0, 100.0].into_iter().zip(sums) {
+                let search = Search::Nearest(Neighbours {
+                    photons,
+                    dimension: Dimension::Three,
                     max_radius: f32::INFINITY,
-                    shrink: 1.0,
-                };
+                });
                 let mut gather = Gather::new(search, Kernel::Epanechnikov);
                 let mut one = |i: usize| {
                     march(

@@ -1,8 +1,8 @@
 //! The beam radiance estimate: photons in media, gathered along a whole ray at once.
 //!
 //! Light paths leave photons where they collide. Around each lies a disc that faces whatever ray
-//! passes, as large as the photons are sparse there; a ray takes all discs that it goes through,
-//! in one traversal of a tree: no marching, no steps to choose, no place looked up twice. With Φ the
+//! passes, as large as the photons are sparse there; a ray takes all discs that it goes through, in
+//! one traversal of a tree: no marching, no steps to choose, no place looked up twice. With Φ the
 //! power that arrives at a photon, α the albedo there, t its distance along the ray and d from it,
 //!
 //! ```text
@@ -10,8 +10,8 @@
 //! ```
 //!
 //! or, smoothed in three dimensions, the constant density of a ball times ∫Tr dt over the chord:
-//! [`Blur`]. Radii reach to the k-th nearest other photon or are fixed, and shrink from pass to pass
-//! so that the mean over passes converges: [`BeamRadiance::alpha`].
+//! [`Blur`]. Radii reach to the k-th nearest other photon or are fixed, and shrink from pass to
+//! pass so that the mean over passes converges: [`BeamRadiance::alpha`].
 //!
 //! Surfaces gather the photons on them, straight and through specular surfaces.
 //!
@@ -30,11 +30,10 @@
 //! # Bias and variance
 //! A radius blurs light over it: the bias is ∝ r². Within r of the boundary of a medium it is ∝ r,
 //! for there are photons on one side alone, and light is lost (or leaks, from the same medium behind
-//! a thin wall). With the default α the squared
-//! error falls fastest with passes, the error as n^−1/3: with discs, and with balls too, for their
-//! variance along a ray is ∝ 1/r² as well (measured: shrunk as three dimensions would, n^−0.36 while
-//! noise rules and n^−2/7 in the end). It does not depend on how the paths are cut into passes. `alpha(1)` keeps the
-//! blur for less noise.
+//! a thin wall). With the default α the squared error falls fastest with passes, the error as
+//! n^−1/3: with discs, and with balls too, for their variance along a ray is ∝ 1/r² as well
+//! (measured: shrunk as three dimensions would, n^−0.36 while noise rules and n^−2/7 in the end). It
+//! does not depend on how the paths are cut into passes. `alpha(1)` keeps the blur for less noise.
 //!
 //! In media that are not the same everywhere, [`Transmittance::Table`] adds a bias no larger than
 //! its `max_error`, told by [`Integrator::figures`]; [`Transmittance::Tracking`] adds
@@ -42,14 +41,15 @@
 //!
 //! # What it does not handle well
 //! All light of a pass is one sample: what it blurs is blurred in all pixels. Many photons in one
-//! place (a laser's first mean free path, seen from within) have radii that `nearest` makes tiny and
-//! `radius` bright. More than k photons at one point have no radius and are left out. Thin media
-//! hold few photons: collisions are where light was absorbed or scattered, and nothing forces any.
+//! place (a laser's first mean free path, seen from within) have radii that `nearest` makes tiny
+//! and `radius` bright. More than k (or 16) photons at one point have no radius and are left out.
+//! Thin media hold few photons: collisions are where light was absorbed or scattered, and nothing
+//! forces any.
 //!
 //! # Promised ranges
-//! σt from 0 to 1e6 mean free paths a scene, any albedo in \[0, 1\], any phase function. Radii within
-//! [`RADII`](tyndall_density::RADII): those beyond are left out if they were found, and refused
-//! if they were given. Scenes of 1e-8 to 1e8 units.
+//! σt from 0 to 1e6 mean free paths a scene, any albedo in \[0, 1\], any phase function. Radii
+//! within [`RADII`](tyndall_density::RADII): those beyond are left out if they were found, and
+//! refused if they were given. Scenes of 1e-8 to 1e8 units.
 //!
 //! # Cost
 //! Linear in light paths; a ray costs what lies along it, ∝ N^(1/3)·k^(2/3) photons of N. A photon
@@ -58,8 +58,8 @@
 //!
 //! # References
 //! - Wojciech Jarosz, Matthias Zwicker, Henrik Wann Jensen (2008), "The Beam Radiance Estimate for
-//!   Volumetric Photon Mapping". Deviation: transmittance is to where the ray passes the photon, and
-//!   in uneven media from an adaptive table rather than one of even steps.
+//!   Volumetric Photon Mapping". Deviation: transmittance is to where the ray passes the photon,
+//!   and in uneven media from an adaptive table rather than one of even steps.
 //! - Jaroslav Křivánek et al. (2014), "Unifying Points, Beams, and Paths in Volumetric Light
 //!   Transport Simulation": the estimators over discs and balls.
 //! - Claude Knaus, Matthias Zwicker (2011), "Progressive Photon Mapping: A Probabilistic Approach".
@@ -79,7 +79,6 @@ pub use options::{Blur, Transmittance};
 pub use pass::Pass;
 
 use gather::BeamGather;
-use options::{Radii, ensure, shrinkage};
 use sight::Beams;
 use std::marker::PhantomData;
 use tyndall_core::{
@@ -87,20 +86,19 @@ use tyndall_core::{
     Shading, StateError, Streams,
 };
 use tyndall_density::{Dimension, Kernel};
-use tyndall_photons::{Emission, Gather, PhotonMaps, radiance};
+use tyndall_photons::{Emission, Gather, PhotonMaps, Progress, Reach, Start, radiance};
 use tyndall_walk::{ByPhotons, BySampling, DirectLight};
 
 /// The beam radiance estimate. `D` says who finds light that nothing has scattered before.
 #[derive(Clone, Copy, Debug)]
 pub struct BeamRadiance<D = ByPhotons> {
     emission: Emission,
-    starting_paths: u64,
-    volume: Radii,
-    surfaces: Radii,
+    progress: Progress,
+    volume: Reach,
+    surfaces: Reach,
     kernel: Kernel,
     blur: Blur,
     transmittance: Transmittance,
-    alpha: Option<f64>,
     direct: PhantomData<D>,
 }
 
@@ -123,13 +121,12 @@ impl<D> Default for BeamRadiance<D> {
     fn default() -> Self {
         Self {
             emission: Emission::default(),
-            starting_paths: Emission::default().paths,
-            volume: Radii::nearest(30),
-            surfaces: Radii::nearest(50),
+            progress: Progress::default(),
+            volume: Reach::nearest(30),
+            surfaces: Reach::nearest(50),
             kernel: Kernel::default(),
             blur: Blur::default(),
             transmittance: Transmittance::default(),
-            alpha: None,
             direct: PhantomData,
         }
     }
@@ -154,7 +151,7 @@ impl<D> BeamRadiance<D> {
     /// default.
     #[must_use]
     pub fn starting_paths(mut self, paths: u64) -> Self {
-        self.starting_paths = paths;
+        self.progress.starting_paths = paths;
         self
     }
 
@@ -162,44 +159,43 @@ impl<D> BeamRadiance<D> {
     /// [`BeamRadiance::starting_paths`]; 30 by default.
     #[must_use]
     pub fn nearest(mut self, photons: usize) -> Self {
-        self.volume.nearest = photons;
-        self.volume.fixed = None;
+        self.volume.start = Start::Nearest(photons);
         self
     }
 
-    /// But it is not larger than this; infinite by default.
+    /// But it is not larger than this at the start, in scene units; may be infinite. Without it, a
+    /// tenth of the diagonal of the host's bounds: see [`Reach::max_radius`].
     #[must_use]
     pub fn max_radius(mut self, radius: f32) -> Self {
-        self.volume.max = radius;
+        self.volume.max_radius = Some(radius);
         self
     }
 
     /// One radius for all photons in media.
     #[must_use]
     pub fn radius(mut self, radius: f32) -> Self {
-        self.volume.fixed = Some(radius);
+        self.volume.start = Start::Radius(radius);
         self
     }
 
     /// As [`BeamRadiance::nearest`] around points of surfaces; 50 by default.
     #[must_use]
     pub fn surface_nearest(mut self, photons: usize) -> Self {
-        self.surfaces.nearest = photons;
-        self.surfaces.fixed = None;
+        self.surfaces.start = Start::Nearest(photons);
         self
     }
 
     /// As [`BeamRadiance::max_radius`] on surfaces.
     #[must_use]
     pub fn surface_max_radius(mut self, radius: f32) -> Self {
-        self.surfaces.max = radius;
+        self.surfaces.max_radius = Some(radius);
         self
     }
 
     /// As [`BeamRadiance::radius`] on surfaces.
     #[must_use]
     pub fn surface_radius(mut self, radius: f32) -> Self {
-        self.surfaces.fixed = Some(radius);
+        self.surfaces.start = Start::Radius(radius);
         self
     }
 
@@ -230,21 +226,8 @@ impl<D> BeamRadiance<D> {
     /// variances ∝ 1/r²: those of discs, balls and surfaces.
     #[must_use]
     pub fn alpha(mut self, alpha: impl Into<Option<f64>>) -> Self {
-        self.alpha = alpha.into();
+        self.progress.alpha = alpha.into();
         self
-    }
-
-    fn check(&self) -> Result<(), PassError> {
-        ensure(self.emission.paths > 0, || {
-            "`paths` is 0; trace 1 light path a pass at least".to_owned()
-        })?;
-        ensure(self.starting_paths > 0, || {
-            "`starting_paths` is 0; give 1 at least".to_owned()
-        })?;
-        self.volume.check("")?;
-        self.surfaces.check("surface_")?;
-        self.transmittance.check()?;
-        shrinkage(Dimension::Two, self.alpha).map(drop)
     }
 }
 
@@ -262,10 +245,15 @@ where
         cx: &PassContext<'_, R>,
         previous: Option<Self::Pass>,
     ) -> Result<Self::Pass, PassError> {
-        self.check()?;
         drop(previous); // its memory is wanted
+        self.transmittance.check()?;
+        let (two, bounds) = (Dimension::Two, host.bounds());
+        // For balls too: a ray meets r² photons, each for a chord of r/r³.
+        let share = self.progress.share(two, self.emission, cx.pass)?;
+        let volume = (self.volume).in_pass("", Dimension::Three, share, bounds)?;
+        let surfaces = (self.surfaces).in_pass("surface_", two, share, bounds)?;
         let maps = PhotonMaps::trace::<H, D, R>(host, cx, self.emission)?;
-        Pass::build(self, maps, self.emission.first_path(cx.pass))
+        Pass::build(maps, surfaces, volume, self.blur, share.radius)
     }
 
     fn estimate(
@@ -289,20 +277,18 @@ where
     }
 
     fn figures(&self, pass: &Self::Pass) -> Vec<Figure> {
-        let mut figures = self.emission.figures(pass.photons());
+        let mut figures = self.emission.figures(pass.photons(), pass.lost);
         figures.extend(pass.figures());
         figures
     }
 
     fn options(&self) -> Vec<(&'static str, String)> {
         let mut options = self.emission.options(D::BY_PHOTONS);
-        options.push(("starting_paths", self.starting_paths.to_string()));
+        options.extend(self.progress.options("2/3"));
         options.extend(self.volume.options(["radius", "nearest", "max_radius"]));
         let surfaces = ["surface_radius", "surface_nearest", "surface_max_radius"];
         options.extend(self.surfaces.options(surfaces));
-        let alpha = self.alpha.unwrap_or(2.0 / 3.0);
         options.extend([
-            ("alpha", alpha.to_string()),
             ("kernel", self.kernel.to_string()),
             ("blur", self.blur.dimensions().to_string()),
         ]);

@@ -1,7 +1,9 @@
 //! What can be chosen, and what cannot.
 
+pub(crate) use tyndall_photons::unsupported;
+
 use tyndall_core::PassError;
-use tyndall_density::{Dimension, RADII, Shrinkage};
+use tyndall_photons::ensure;
 
 /// Over what a photon in a medium is smoothed, and with it how rays meet it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -43,77 +45,11 @@ pub enum Transmittance {
 }
 
 impl Default for Transmittance {
-    /// A table of error 1e-2: no noise. Sixteen flights cost less than half as much a ray in a plume
-    /// of 64³ voxels (`cargo bench -p tyndall-beam-radiance -- smoke`), and add theirs to every ray.
+    /// A table of error 1e-2: no noise. Sixteen flights cost less than half as much a ray in a
+    /// plume of 64³ voxels (`cargo bench -p tyndall-beam-radiance -- smoke`), and add theirs to
+    /// every ray.
     fn default() -> Self {
         Self::Table { max_error: 1e-2 }
-    }
-}
-
-/// How radii of photons are found.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Radii {
-    /// The same for all photons.
-    pub(crate) fixed: Option<f32>,
-    /// As far as the so many-th nearest, else.
-    pub(crate) nearest: usize,
-    /// But not farther.
-    pub(crate) max: f32,
-}
-
-impl Radii {
-    pub(crate) fn nearest(nearest: usize) -> Self {
-        Self {
-            fixed: None,
-            nearest,
-            max: f32::INFINITY,
-        }
-    }
-
-    /// The number of neighbours for a pass of `paths`, of which `starting` would look for
-    /// [`Radii::nearest`]: the radius does not depend on the paths of a pass.
-    pub(crate) fn count(&self, paths: u64, starting: u64) -> usize {
-        let count = self.nearest as f64 * (paths as f64 / starting as f64);
-        (count.round() as usize).max(2)
-    }
-
-    /// What was chosen, under these names of a fixed radius, of a number of photons, and of its bound.
-    pub(crate) fn options(
-        self,
-        [radius, nearest, max]: [&'static str; 3],
-    ) -> Vec<(&'static str, String)> {
-        match self.fixed {
-            Some(fixed) => vec![(radius, fixed.to_string())],
-            None => vec![
-                (nearest, self.nearest.to_string()),
-                (max, self.max.to_string()),
-            ],
-        }
-    }
-
-    /// `what` is the place that the options name.
-    pub(crate) fn check(&self, what: &str) -> Result<(), PassError> {
-        if let Some(radius) = self.fixed {
-            return ensure(RADII.contains(&radius), || {
-                format!(
-                    "`{what}radius` is {radius}; give a length from {:e} to {:e}",
-                    RADII.start(),
-                    RADII.end()
-                )
-            });
-        }
-        ensure(self.nearest >= 2, || {
-            format!(
-                "`{what}nearest` is {}; look for 2 photons at least",
-                self.nearest
-            )
-        })?;
-        ensure(self.max > 0.0, || {
-            format!(
-                "`{what}max_radius` is {}; give a length, or infinity for no limit",
-                self.max
-            )
-        })
     }
 }
 
@@ -135,25 +71,5 @@ impl Transmittance {
                 "`flights` of the transmittance is 0; give 1 at least".to_owned()
             }),
         }
-    }
-}
-
-/// The schedule of this many dimensions: the best, unless an `alpha` is given.
-pub(crate) fn shrinkage(dimension: Dimension, alpha: Option<f64>) -> Result<Shrinkage, PassError> {
-    match alpha {
-        None => Ok(Shrinkage::optimal(dimension)),
-        Some(alpha) => Shrinkage::new(dimension, alpha).map_err(unsupported),
-    }
-}
-
-pub(crate) fn unsupported(why: impl ToString) -> PassError {
-    PassError::Unsupported(why.to_string())
-}
-
-pub(crate) fn ensure(holds: bool, sentence: impl FnOnce() -> String) -> Result<(), PassError> {
-    if holds {
-        Ok(())
-    } else {
-        Err(PassError::Unsupported(sentence()))
     }
 }

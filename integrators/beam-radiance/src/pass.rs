@@ -1,14 +1,12 @@
 //! What a pass prepares.
 
-use crate::BeamRadiance;
+use crate::Blur;
 use crate::discs::PhotonDiscs;
-use crate::options::{Radii, shrinkage, unsupported};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering};
 use tyndall_core::{Figure, MediumId, PassError, Spectrum};
-use tyndall_density::{Dimension, Schedule};
 use tyndall_kd_tree::Photons;
-use tyndall_photons::{PhotonMaps, Search};
+use tyndall_photons::{Aim, PhotonMaps, Search};
 
 /// The photons of a pass.
 #[derive(Debug)]
@@ -27,55 +25,34 @@ pub struct Pass<S> {
     left_out: usize,
     /// Bits of a number that is not negative: they are ordered as the numbers.
     transmittance_error: AtomicU32,
+    /// See [`PhotonMaps::lost`].
+    pub(crate) lost: u64,
 }
 
 impl<S: Spectrum> Pass<S> {
-    pub(crate) fn build<D>(
-        config: &BeamRadiance<D>,
+    pub(crate) fn build(
         maps: PhotonMaps<S>,
-        first_path: u64,
+        surfaces: Search,
+        volume: Search,
+        blur: Blur,
+        shrink: f32,
     ) -> Result<Self, PassError> {
-        let (paths, starting) = (config.emission.paths, config.starting_paths);
-        // Two dimensions for balls too: a ray meets r² photons, each for a chord of r/r³.
-        let shrinkage = shrinkage(Dimension::Two, config.alpha)?;
-        let schedule = Schedule::new(shrinkage, starting).map_err(unsupported)?;
-        let shrink = schedule.scale(first_path, paths);
-        let search = match config.surfaces.fixed {
-            Some(radius) => Search::Within(radius * shrink),
-            None => Search::Nearest {
-                count: config.surfaces.count(paths, starting),
-                max_radius: config.surfaces.max,
-                shrink,
-            },
-        };
-        let PhotonMaps {
-            caustic,
-            diffuse,
-            volume,
-        } = maps;
-        let (bounds, count, blur) = (
-            config.volume,
-            config.volume.count(paths, starting),
-            config.blur,
-        );
         let discs = |(medium, photons): (MediumId, Photons<S>)| {
-            let radii = radii(bounds, count, &photons, shrink);
-            PhotonDiscs::build(medium, &photons, &radii, blur)
+            PhotonDiscs::build(medium, &photons, &radii(volume, &photons), blur)
         };
-        let traced: usize = volume.iter().map(|(_, photons)| photons.len()).sum();
-        let media = volume
-            .into_par_iter()
-            .map(discs)
-            .collect::<Result<Vec<_>, _>>()?;
+        let traced: usize = maps.volume.iter().map(|(_, photons)| photons.len()).sum();
+        let media = maps.volume.into_par_iter().map(discs);
+        let media = media.collect::<Result<Vec<_>, _>>()?;
         let kept: usize = media.iter().map(PhotonDiscs::len).sum();
         Ok(Self {
-            caustic,
-            diffuse,
-            search,
+            caustic: maps.caustic,
+            diffuse: maps.diffuse,
+            search: surfaces,
             media,
             shrink,
             left_out: traced - kept,
             transmittance_error: AtomicU32::new(0),
+            lost: maps.lost,
         })
     }
 
@@ -122,13 +99,14 @@ impl<S: Spectrum> Pass<S> {
     }
 }
 
-/// The radius of every photon of a medium. One alone has no density, and
-/// no radius unless one is given.
-fn radii<S: Spectrum>(bounds: Radii, count: usize, photons: &Photons<S>, scale: f32) -> Vec<f32> {
-    if let Some(radius) = bounds.fixed {
-        return vec![radius * scale; photons.len()];
-    }
-    let mut radii = photons.nearest_radii(count, bounds.max);
-    radii.par_iter_mut().for_each(|radius| *radius *= scale);
+/// The radius of every photon of a medium: to its nearest others. One alone has none, unless one is
+/// given.
+fn radii<S: Spectrum>(search: Search, photons: &Photons<S>) -> Vec<f32> {
+    let Aim { count, limit, part } = match search {
+        Search::Within(radius) => return vec![radius; photons.len()],
+        Search::Nearest(neighbours) => neighbours.aim(photons.len().saturating_sub(1)),
+    };
+    let mut radii = photons.nearest_radii(count, limit);
+    radii.par_iter_mut().for_each(|radius| *radius *= part);
     radii
 }

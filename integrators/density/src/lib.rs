@@ -12,10 +12,11 @@
 //! | surface | f(wo, −w) \|w·nₛ\|/\|w·n\| Φ K₂(d, r) | [`SurfacePoint::radiance`] × [`Kernel::weight_2d`] |
 //! | point × point 3D | Tr(t) p(wo, −w) Φₛ K₃(d, r) Δt, over marched points | [`in_scattered`] × [`Kernel::weight_3d`] |
 //! | point × beam 2D | Tr(t) p(wo, −w) Φₛ K₂(d, r) | [`in_scattered`] × [`Kernel::weight_2d`] |
-//! | point × beam 3D | p(wo, −w) Φₛ · 3/(4πr³) · ∫ Tr over the chord | [`in_scattered`] × [`Kernel::Constant`] in 3D × [`Chord::transmittance`] |
+//! | point × beam 3D | p(wo, −w) Φₛ · 3/(4πr³) · ∫ Tr over the chord | [`in_scattered`] × [`Kernel::Constant`] in 3D × ∫ Tr over a [`Chord`] |
 //!
-//! The last is in closed form for a homogeneous medium and the constant kernel; elsewhere the
-//! integrator integrates its transmittance over the [`Chord`].
+//! The last is in closed form for a homogeneous medium and the constant kernel,
+//! e^(−σt a) (1 − e^(−σt s))/σt for a chord of length s from a on; elsewhere the integrator
+//! integrates its transmittance.
 //!
 //! ```
 //! use glam::Vec3;
@@ -26,7 +27,8 @@
 //! let scattered = in_scattered(&Phase::Isotropic, -Vec3::X, Vec3::Y, 1.0_f32);
 //! let in_2d = scattered * (-sigma_t * t).exp() * Kernel::Constant.weight_2d(distance_squared, radius);
 //! let chord = Chord::new(t, distance_squared, radius, 10.0).unwrap();
-//! let in_3d = scattered * chord.transmittance(sigma_t) * Kernel::Constant.weight_3d(0.0, radius);
+//! let through = (-sigma_t * chord.start).exp() * -(-sigma_t * chord.length).exp_m1() / sigma_t;
+//! let in_3d = scattered * through * Kernel::Constant.weight_3d(0.0, radius);
 //! assert!((in_2d - 1.5363).abs() < 1e-4);
 //! assert!((in_3d - 1.9961).abs() < 1e-3);
 //! ```

@@ -8,8 +8,8 @@ use tyndall_core::{PhaseFunction, Spectrum};
 ///
 /// `scattered_flux` is Φₛ = (σs/σt)·Φ: photons lie at collisions and carry what arrives there.
 /// `photon_direction` is that of travel, `wo` a unit vector towards the sensor. Multiplied by the
-/// weight of a kernel in 3D it is radiance per unit of length along the ray; by one in 2D, radiance.
-/// See the table of the crate.
+/// weight of a kernel in 3D it is radiance per unit of length along the ray; by one in 2D,
+/// radiance. See the table of the crate.
 ///
 /// Jensen & Christensen (1998), "Efficient Simulation of Light Transport in Scenes with
 /// Participating Media using Photon Maps"; Jarosz, Zwicker & Jensen (2008), "The Beam
@@ -63,33 +63,6 @@ impl Chord {
         inside.then(|| Self {
             start: (t - half).max(0.0),
             length,
-        })
-    }
-
-    /// ∫ Tr dt over the chord in a medium of extinction σt ≥ 0, in scene units, per channel:
-    /// e^(−σt a) (1 − e^(−σt s))/σt for a start a and a length s.
-    ///
-    /// Relative error 2⁻²² (1 + σt a), for any σt from 0 to infinity.
-    ///
-    /// ```
-    /// use tyndall_density::Chord;
-    /// let chord = Chord { start: 0.0, length: 1.0 };
-    /// assert_eq!(chord.transmittance(0.0_f32), 1.0);
-    /// assert!((chord.transmittance(1.0_f32) - 0.632_120_56).abs() < 1e-6);
-    /// ```
-    #[inline]
-    pub fn transmittance<S: Spectrum>(&self, sigma_t: S) -> S {
-        sigma_t.map(|sigma_t| {
-            let depth = sigma_t * self.length;
-            if depth == 0.0 {
-                return self.length;
-            }
-            let before = if self.start > 0.0 {
-                (-sigma_t * self.start).exp()
-            } else {
-                1.0
-            };
-            before * (-(-depth).exp_m1() / sigma_t)
         })
     }
 }

@@ -39,8 +39,8 @@ fn bench(c: &mut Criterion) {
                 b.iter(|| pass(&scene, &map));
             });
         }
-        let maps = pass(&scene, &map);
-        let [(_, fog)] = &maps.volume[..] else {
+        let pass = pass(&scene, &map);
+        let [(_, fog)] = &pass.maps.volume[..] else {
             panic!("the scene has one medium");
         };
         let photons = fog.len();
@@ -56,7 +56,7 @@ fn bench(c: &mut Criterion) {
                 let [x, y] = sampler.next();
                 let px = [(x * width as f32) as u32, (y * height as f32) as u32];
                 let ray = scene.sensor_ray(px, sampler.next());
-                black_box(map.estimate(&scene, &maps, &mut (), &ray, &mut sampler))
+                black_box(map.estimate(&scene, &pass, &mut (), &ray, &mut sampler))
             });
         });
     }

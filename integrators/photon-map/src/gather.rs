@@ -1,6 +1,6 @@
 //! What is gathered along a walk of sight.
 
-use crate::PhotonMap;
+use crate::{Pass, PhotonMap};
 use std::marker::PhantomData;
 use tyndall_core::{Geometry, Media, Sampler, Shading};
 use tyndall_density::SurfacePoint;
@@ -12,21 +12,19 @@ pub(crate) struct Gathering<'p, H: Geometry + Shading + Media, D> {
     host: &'p H,
     options: &'p PhotonMap<D>,
     maps: &'p PhotonMaps<H::Spectrum>,
-    gather: Gather,
+    surfaces: Gather,
+    media: Gather,
     direct: PhantomData<D>,
 }
 
 impl<'p, H: Geometry + Shading + Media, D: DirectLight<H>> Gathering<'p, H, D> {
-    pub(crate) fn new(
-        host: &'p H,
-        options: &'p PhotonMap<D>,
-        maps: &'p PhotonMaps<H::Spectrum>,
-    ) -> Self {
+    pub(crate) fn new(host: &'p H, options: &'p PhotonMap<D>, pass: &'p Pass<H::Spectrum>) -> Self {
         Self {
             host,
             options,
-            maps,
-            gather: Gather::new(options.search(), options.kernel),
+            maps: &pass.maps,
+            surfaces: Gather::new(pass.surfaces, options.kernel),
+            media: Gather::new(pass.media, options.kernel),
             direct: PhantomData,
         }
     }
@@ -47,7 +45,10 @@ impl<H: Geometry + Shading + Media, D: DirectLight<H>> Sight<H> for Gathering<'_
             return (H::Spectrum::default(), walk.fly(segment, sampler));
         }
         let Self {
-            host, maps, gather, ..
+            host,
+            maps,
+            media: gather,
+            ..
         } = self;
         let (ray, id) = (&segment.ray, segment.medium);
         let mut radiance = D::along(*host, &segment, walk.throughput, sampler);
@@ -65,17 +66,13 @@ impl<H: Geometry + Shading + Media, D: DirectLight<H>> Sight<H> for Gathering<'_
         let Some(photons) = self.maps.in_medium(vertex.medium) else {
             return H::Spectrum::default();
         };
-        let gathered = (self.gather).medium(photons, vertex.position, vertex.wo, medium);
+        let gathered = (self.media).medium(photons, vertex.position, vertex.wo, medium);
         gathered.radiance
     }
 
     fn surface(&mut self, point: &SurfacePoint<'_, H>, light: Incident) -> H::Spectrum {
-        let Self { maps, gather, .. } = self;
-        let caustic = gather.surface(&maps.caustic, point, true).radiance;
-        match light {
-            Incident::Unscattered => caustic,
-            Incident::All => caustic + gather.surface(&maps.diffuse, point, false).radiance,
-        }
+        let photons = self.maps.surfaces();
+        self.surfaces.incident(photons, point, light).radiance
     }
 
     fn final_gather(&self) -> u32 {

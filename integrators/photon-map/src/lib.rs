@@ -70,8 +70,8 @@ use tyndall_core::{
     Figure, Geometry, Integrator, LightEmission, Media, PassContext, PassError, Sampler, SensorRay,
     Shading, StateError, Streams,
 };
-use tyndall_density::RADII;
-use tyndall_photons::{Emission, PhotonMaps, Search, radiance};
+use tyndall_density::Dimension;
+use tyndall_photons::{Emission, PhotonMaps, Reach, Search, Share, Start, radiance};
 use tyndall_walk::DirectLight;
 
 /// Photon mapping. `D` says who finds the light that nothing has scattered.
@@ -79,20 +79,19 @@ use tyndall_walk::DirectLight;
 pub struct PhotonMap<D = ByPhotons> {
     emission: Emission,
     reach: Reach,
-    max_radius: f32,
     kernel: Kernel,
     final_gather: u32,
     march: March,
     direct: PhantomData<D>,
 }
 
-/// How far an estimate reaches for photons.
-#[derive(Clone, Copy, Debug)]
-enum Reach {
-    /// As far as this many are.
-    Nearest(usize),
-    /// This far.
-    Radius(f32),
+/// The photons of a pass, and how they are searched.
+#[derive(Clone, Debug)]
+pub struct Pass<S> {
+    /// The photons.
+    pub maps: PhotonMaps<S>,
+    surfaces: Search,
+    media: Search,
 }
 
 impl PhotonMap<ByPhotons> {
@@ -116,8 +115,7 @@ impl<D> Default for PhotonMap<D> {
     fn default() -> Self {
         Self {
             emission: Emission::default(),
-            reach: Reach::Nearest(60),
-            max_radius: f32::INFINITY,
+            reach: Reach::nearest(60),
             kernel: Kernel::default(),
             final_gather: 0,
             march: March {
@@ -144,32 +142,30 @@ impl<D> PhotonMap<D> {
         self
     }
 
-    /// Gathers as far as the `count`-th nearest photon, at least 2; 60 by default. The same for
-    /// surfaces and media: in both the relative noise of an estimate is about 1/√count.
+    /// Gathers as far as the `count`-th nearest photon, at least 2 (below 16, as far as it lies on
+    /// average where the 16th is); 60 by default. The same for surfaces and media: in both the
+    /// relative noise of an estimate is about 1/√count.
     #[must_use]
-    pub fn nearest(self, count: usize) -> Self {
-        Self {
-            reach: Reach::Nearest(count),
-            ..self
-        }
+    pub fn nearest(mut self, count: usize) -> Self {
+        self.reach.start = Start::Nearest(count);
+        self
     }
 
     /// Gathers within a fixed radius, in scene units, instead: blur is the same everywhere and the
     /// mean does not depend on the paths of a pass, but noise grows where light is dim.
     #[must_use]
-    pub fn radius(self, radius: f32) -> Self {
-        Self {
-            reach: Reach::Radius(radius),
-            ..self
-        }
+    pub fn radius(mut self, radius: f32) -> Self {
+        self.reach.start = Start::Radius(radius);
+        self
     }
 
-    /// The [nearest](PhotonMap::nearest) are looked for no farther than this, in scene units;
-    /// infinite by default. A cap keeps light from bleeding far into darkness, and searches there
-    /// short.
+    /// The [nearest](PhotonMap::nearest) are looked for no farther than this, in scene units; may
+    /// be infinite. Without it, a tenth of the diagonal of the host's bounds: see
+    /// [`Reach::max_radius`].
     #[must_use]
-    pub fn max_radius(self, max_radius: f32) -> Self {
-        Self { max_radius, ..self }
+    pub fn max_radius(mut self, radius: f32) -> Self {
+        self.reach.max_radius = Some(radius);
+        self
     }
 
     /// How photons are weighted by their distance; Epanechnikov by default.
@@ -203,46 +199,6 @@ impl<D> PhotonMap<D> {
         self.march.min_steps = steps;
         self
     }
-
-    /// What searches are asked for.
-    fn search(&self) -> Search {
-        match self.reach {
-            Reach::Radius(radius) => Search::Within(radius),
-            Reach::Nearest(count) => Search::Nearest {
-                count,
-                max_radius: self.max_radius,
-                shrink: 1.0,
-            },
-        }
-    }
-
-    /// Whether the options make sense.
-    fn check(&self) -> Result<(), PassError> {
-        let (least, most) = (RADII.start(), RADII.end());
-        let wrong = match (self.reach, self.march) {
-            _ if self.emission.paths == 0 => {
-                "`paths` is 0: a photon map needs at least 1 light path a pass".to_owned()
-            }
-            (Reach::Nearest(count), _) if count < 2 => format!(
-                "`nearest` is {count}: name at least 2 photons, the last of which only says how far the kernel reaches"
-            ),
-            (Reach::Radius(radius), _) if !RADII.contains(&radius) => {
-                format!("`radius` is {radius}: name one from {least:e} to {most:e} scene units")
-            }
-            _ if self.max_radius.is_nan() || self.max_radius < *least => format!(
-                "`max_radius` is {}: name at least {least:e} scene units, or infinity",
-                self.max_radius
-            ),
-            (_, March { step, .. }) if !(step > 0.0 && step < f32::INFINITY) => {
-                format!("`step` is {step}: name an optical depth more than 0, and finite")
-            }
-            (_, March { min_steps: 0, .. }) => {
-                "`min_steps` is 0: take at least 1 step through a medium".to_owned()
-            }
-            _ => return Ok(()),
-        };
-        Err(PassError::Unsupported(wrong))
-    }
 }
 
 impl<H, D> Integrator<H> for PhotonMap<D>
@@ -250,7 +206,7 @@ where
     H: Geometry + Shading + Media + LightEmission,
     D: DirectLight<H>,
 {
-    type Pass = PhotonMaps<H::Spectrum>;
+    type Pass = Pass<H::Spectrum>;
     type Pixel = ();
 
     fn begin_pass<R: Streams>(
@@ -259,36 +215,36 @@ where
         cx: &PassContext<'_, R>,
         previous: Option<Self::Pass>,
     ) -> Result<Self::Pass, PassError> {
-        self.check()?;
         drop(previous); // before the new maps need its memory
-        PhotonMaps::trace::<H, D, R>(host, cx, self.emission)
+        self.march.check()?;
+        let bounds = host.bounds();
+        let search = |dimension| self.reach.in_pass("", dimension, Share::WHOLE, bounds);
+        Ok(Pass {
+            surfaces: search(Dimension::Two)?,
+            media: search(Dimension::Three)?,
+            maps: PhotonMaps::trace::<H, D, R>(host, cx, self.emission)?,
+        })
     }
 
     fn estimate(
         &self,
         host: &H,
-        maps: &Self::Pass,
+        pass: &Self::Pass,
         (): &mut (),
         ray: &SensorRay<H::Spectrum>,
         sampler: &mut impl Sampler,
     ) -> H::Spectrum {
-        let mut gathering = Gathering::<H, D>::new(host, self, maps);
+        let mut gathering = Gathering::<H, D>::new(host, self, pass);
         radiance(host, ray, &mut gathering, sampler)
     }
 
-    fn figures(&self, maps: &Self::Pass) -> Vec<Figure> {
-        self.emission.figures(maps.photons())
+    fn figures(&self, Pass { maps, .. }: &Self::Pass) -> Vec<Figure> {
+        self.emission.figures(maps.photons(), maps.lost)
     }
 
     fn options(&self) -> Vec<(&'static str, String)> {
         let mut options = self.emission.options(D::BY_PHOTONS);
-        match self.reach {
-            Reach::Radius(radius) => options.push(("radius", radius.to_string())),
-            Reach::Nearest(count) => options.extend([
-                ("nearest", count.to_string()),
-                ("max_radius", self.max_radius.to_string()),
-            ]),
-        }
+        options.extend(self.reach.options(["radius", "nearest", "max_radius"]));
         options.extend([
             ("kernel", self.kernel.to_string()),
             ("final_gather", self.final_gather.to_string()),

@@ -1,7 +1,8 @@
 //! Ray marching: the integral of a source of light along a segment of sight.
 
 use std::ops::ControlFlow;
-use tyndall_core::{Majorant, Medium, Ray, Sampler, Spectrum};
+use tyndall_core::{Majorant, Medium, PassError, Ray, Sampler, Spectrum};
+use tyndall_photons::ensure;
 
 /// Transmittance below which a channel plays Russian roulette: it goes on with this one, or ends.
 const LITTLE: f32 = 0.1;
@@ -21,14 +22,25 @@ pub(crate) struct March {
 }
 
 impl March {
+    /// Refuses steps that would not end.
+    pub(crate) fn check(self) -> Result<(), PassError> {
+        let Self { step, min_steps } = self;
+        ensure(step > 0.0 && step < f32::INFINITY, || {
+            format!("`step` is {step}: name an optical depth more than 0, and finite")
+        })?;
+        ensure(min_steps > 0, || {
+            "`min_steps` is 0: take at least 1 step through a medium".to_owned()
+        })
+    }
+
     /// An unbiased estimate of ∫ Tr(t) `source`(t) dt over the ray, of the channels that `carried`
     /// has. `source` is asked at distances along the ray, in their order.
     ///
     /// Points are stratified in the optical depth of the majorant, one in each step: none lie where
-    /// there is no substance. A channel that has lost nine tenths plays Russian roulette before each
-    /// step, so that opaque and infinite segments end. The channels of a homogeneous medium are
-    /// known: one that does not scatter is not marched for, and once the denser ones have ended the
-    /// steps are those of the others.
+    /// there is no substance. A channel that has lost nine tenths plays Russian roulette before
+    /// each step, so that opaque and infinite segments end. The channels of a homogeneous medium
+    /// are known: one that does not scatter is not marched for, and once the denser ones have ended
+    /// the steps are those of the others.
     pub(crate) fn integrate<M: Medium, T: Sampler>(
         self,
         medium: &M,

@@ -1,6 +1,6 @@
 //! What is gathered at points of surfaces and media.
 
-use crate::Search;
+use crate::{Incident, Search};
 use glam::Vec3;
 use tyndall_core::{Geometry, Medium, Shading};
 use tyndall_density::{Kernel, SurfacePoint, in_scattered};
@@ -24,13 +24,29 @@ pub struct Gather {
 }
 
 impl Gather {
-    /// Allocates the room of its searches, once.
+    /// Room for its searches is allocated by the first.
     pub fn new(search: Search, kernel: Kernel) -> Self {
         Self {
             search,
             kernel,
-            room: search.room(),
+            room: Nearest::new(0),
         }
+    }
+
+    /// What a surface gathers of the photons of [surfaces](crate::PhotonMaps::surfaces).
+    pub fn incident<H: Geometry + Shading>(
+        &mut self,
+        [caustic, diffuse]: [&Photons<H::Spectrum>; 2],
+        point: &SurfacePoint<'_, H>,
+        light: Incident,
+    ) -> Gathered<H::Spectrum> {
+        let mut gathered = self.surface(caustic, point, true);
+        if light == Incident::All {
+            let Gathered { radiance, photons } = self.surface(diffuse, point, false);
+            gathered.radiance += radiance;
+            gathered.photons += photons;
+        }
+        gathered
     }
 
     /// Radiance that a surface scatters back of the photons on it:

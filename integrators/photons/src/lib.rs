@@ -1,9 +1,15 @@
 //! Light paths as points, for all methods that gather photons.
 //!
-//! [`PhotonMaps::trace`] makes the photons of a pass; a [`Gather`] estimates what a surface or a medium
-//! scatters of them; [`radiance`] is the walk of sight from the sensor to where they are gathered.
-//! Photon mapping in its kinds differs in what it does along segments in media and in its radii: a
-//! [`Sight`]. It estimates nothing by itself.
+//! [`PhotonMaps::trace`] makes the photons of a pass; a [`Gather`] estimates what a surface or a
+//! medium scatters of them; [`radiance`] is the walk of sight from the sensor to where they are
+//! gathered. Photon mapping in its kinds differs in what it does along segments in media: a
+//! [`Sight`]. This crate estimates nothing by itself.
+//!
+//! # Radii
+//! Users choose a [`Reach`], and a [`Progress`] if radii depend on the light paths; a pass makes a
+//! [`Search`] of them. The radius that is expected around a point does then not depend on the paths
+//! of a pass: to 1 % where photons are spread evenly as far as the 16 nearest are, and to a few per
+//! cent down to 10 photons in a map.
 //!
 //! # Who finds which light
 //! | light, before it reaches a surface that scatters into many directions | found by |
@@ -17,12 +23,12 @@
 //!
 //! # Needs of the host
 //! [`Geometry`](tyndall_core::Geometry), [`Shading`](tyndall_core::Shading),
-//! [`Media`](tyndall_core::Media) and [`LightEmission`](tyndall_core::LightEmission); to sample direct
-//! light [`LightDirect`](tyndall_core::LightDirect).
+//! [`Media`](tyndall_core::Media) and [`LightEmission`](tyndall_core::LightEmission); to sample
+//! direct light [`LightDirect`](tyndall_core::LightDirect).
 //!
 //! # Cost
-//! Linear in light paths. A photon of three channels takes 29.5 bytes; 44 in the list of those found,
-//! which [`Emission::max_bytes`] bounds; and 40 on top of both while its map is built.
+//! Linear in light paths. A photon of three channels takes 29.5 bytes; 44 in the list of those
+//! found, which [`Emission::max_bytes`] bounds; and 40 on top of both while its map is built.
 //!
 //! # References
 //! - Henrik Wann Jensen (1996), "Global Illumination Using Photon Maps": the maps, final gathering.
@@ -33,10 +39,12 @@
 
 mod gather;
 mod maps;
+mod reach;
 mod search;
 mod sight;
 
 pub use gather::{Gather, Gathered};
 pub use maps::{Emission, PhotonMaps};
-pub use search::Search;
+pub use reach::{Progress, Reach, Share, Start, ensure, unsupported};
+pub use search::{Aim, Neighbours, Search};
 pub use sight::{Incident, Sight, radiance};

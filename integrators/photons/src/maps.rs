@@ -1,5 +1,6 @@
 //! The photons of a pass.
 
+use crate::{ensure, unsupported};
 use std::collections::BTreeMap;
 use tyndall_core::{
     Figure, Geometry, LightEmission, Media, MediumId, PassContext, PassError, Shading, Spectrum,
@@ -11,10 +12,10 @@ use tyndall_walk::{DirectLight, LightPaths, Route, Site, Vertex};
 /// How many light paths a pass has, and what their photons may take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Emission {
-    /// Light paths emitted in a pass.
+    /// Light paths emitted in a pass, at least 1.
     pub paths: u64,
-    /// Bytes that photons may take while they are traced, 44 each in three channels. What is kept of
-    /// them is less, and is made map by map beside them.
+    /// Bytes that photons may take while they are traced, 44 each in three channels. What is kept
+    /// of them is less, and is made map by map beside them.
     pub max_bytes: u64,
 }
 
@@ -45,14 +46,19 @@ impl Emission {
         ]
     }
 
-    /// What a method tells of a pass that has kept so many photons in media and on surfaces, see
+    /// What a method tells of a pass that has kept so many photons in media and on surfaces and
+    /// has [`lost`](PhotonMaps::lost) some, see
     /// [`Integrator::figures`](tyndall_core::Integrator::figures).
-    pub fn figures(&self, [media, surfaces]: [usize; 2]) -> Vec<Figure> {
-        vec![
+    pub fn figures(&self, [media, surfaces]: [usize; 2], lost: u64) -> Vec<Figure> {
+        let mut figures = vec![
             Figure::total("light paths", self.paths),
             Figure::total("photons in media", media as u64),
             Figure::total("photons on surfaces", surfaces as u64),
-        ]
+        ];
+        if lost > 0 {
+            figures.push(Figure::total("photons lost, not finite", lost));
+        }
+        figures
     }
 }
 
@@ -67,6 +73,9 @@ pub struct PhotonMaps<S> {
     /// At collisions, a map for each medium that has any, in the order of ids. Their flux is what
     /// the medium scatters: what arrives, times the albedo there.
     pub volume: Vec<(MediumId, Photons<S>)>,
+    /// Photons dropped because no map can hold them: of a position, direction or flux that is not
+    /// finite. They end the paths of a host that emits or scatters such light.
+    pub lost: u64,
 }
 
 /// Which map a photon belongs to.
@@ -79,14 +88,15 @@ enum Map {
 }
 
 impl<S: Spectrum> PhotonMaps<S> {
-    /// Traces the light paths of a pass. Photons are stored at collisions, unless the albedo is zero,
-    /// and at surfaces that scatter into many directions.
+    /// Traces the light paths of a pass. Photons are stored at collisions, unless the albedo is
+    /// zero, and at surfaces that scatter into many directions.
     ///
     /// Whether a sensor will look there is not asked: mirrors and scattering between surfaces make
     /// that as dear to know as the picture itself.
     ///
     /// # Errors
-    /// See [`LightPaths::collect`]; [`PassError::Unsupported`] for light that is not finite.
+    /// See [`LightPaths::collect`]; [`PassError::Unsupported`] for no paths, and for more photons
+    /// than a map can number.
     pub fn trace<H, D, R>(
         host: &H,
         cx: &PassContext<'_, R>,
@@ -97,6 +107,9 @@ impl<S: Spectrum> PhotonMaps<S> {
         D: DirectLight<H>,
         R: Streams,
     {
+        ensure(emission.paths > 0, || {
+            "`paths` is 0; trace at least 1 light path a pass".to_owned()
+        })?;
         let paths = LightPaths::new(cx, emission.paths, emission.max_bytes);
         let found = paths.collect(host, |walk, sampler, found| {
             walk.visit(sampler, |vertex, flux, route| {
@@ -106,17 +119,21 @@ impl<S: Spectrum> PhotonMaps<S> {
             });
         })?;
         let mut lists: BTreeMap<Map, Vec<Photon<S>>> = BTreeMap::new();
-        for (map, photon) in found.into_iter().flatten() {
-            lists.entry(map).or_default().push(photon);
-        }
         let mut maps = Self {
             caustic: Photons::default(),
             diffuse: Photons::default(),
             volume: Vec::new(),
+            lost: 0,
         };
+        for (map, photon) in found.into_iter().flatten() {
+            if photon.is_storable() {
+                lists.entry(map).or_default().push(photon);
+            } else {
+                maps.lost += 1;
+            }
+        }
         for (map, list) in lists {
-            let photons = Photons::build(&list);
-            let photons = photons.map_err(|why| PassError::Unsupported(why.to_string()))?;
+            let photons = Photons::build(&list).map_err(unsupported)?;
             match map {
                 Map::Caustic => maps.caustic = photons,
                 Map::Diffuse => maps.diffuse = photons,
@@ -130,6 +147,11 @@ impl<S: Spectrum> PhotonMaps<S> {
     pub fn photons(&self) -> [usize; 2] {
         let volume = self.volume.iter().map(|(_, photons)| photons.len()).sum();
         [volume, self.caustic.len() + self.diffuse.len()]
+    }
+
+    /// The photons at surfaces: caustic and diffuse.
+    pub fn surfaces(&self) -> [&Photons<S>; 2] {
+        [&self.caustic, &self.diffuse]
     }
 
     /// The photons in a medium, if there are any.

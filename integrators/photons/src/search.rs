@@ -2,37 +2,86 @@
 
 use glam::Vec3;
 use tyndall_core::Spectrum;
+use tyndall_density::Dimension;
 use tyndall_kd_tree::{Nearest, Photons};
+
+/// Photons looked for at least, if there are as many, so that the radius they give is no matter of
+/// chance.
+const FEWEST: usize = 16;
 
 /// The photons around a point that an estimate takes, and with them the radius of its kernel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Search {
     /// All within this distance.
     Within(f32),
-    /// As far as the `count`-th nearest, which is left out: with it a constant kernel would
-    /// overestimate by 1/(count − 1). Fewer photons than that leave out the farthest of them, or
-    /// none if `max_radius` says where they end.
-    Nearest {
-        /// Photons to look for, at least 2.
-        count: usize,
-        /// No photon farther away is taken; may be infinite.
-        max_radius: f32,
-        /// Of the distance that is found, what is taken for the radius; at most 1. Progressive
-        /// methods shrink it.
-        shrink: f32,
-    },
+    /// As far as some are near.
+    Nearest(Neighbours),
+}
+
+/// The radius that holds so many photons on average.
+///
+/// It is the distance of the `photons`-th nearest, which is left out: with it a constant kernel
+/// would overestimate by 1/(`photons` − 1). Of fewer than 16 the distance would be much a matter of
+/// chance, and of less than one there is none: then the 16th nearest is looked for (or the last, of
+/// maps that hold fewer), and the radius is cut down by the root of their ratio. A density taken
+/// within is unbiased where photons are spread evenly, though the photons themselves tell it:
+/// inside the distance of the k-th, itself left out, the others lie evenly, and so they do inside
+/// any fixed part of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Neighbours {
+    /// How many, more than 0.
+    pub photons: f64,
+    /// Over how many dimensions photons are spread: two on surfaces, three in media.
+    pub dimension: Dimension,
+    /// The radius is not larger; may be infinite. Where it ends the search, none is left out. Where
+    /// nothing does, and there are not as many photons, the farthest is.
+    pub max_radius: f32,
+}
+
+/// What is looked for to learn a radius.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Aim {
+    /// The so many-th nearest, at least the 2nd.
+    pub count: usize,
+    /// But no farther away than this.
+    pub limit: f32,
+    /// Of its distance, or of the limit if there are fewer within it, what is taken for the radius;
+    /// at most 1.
+    pub part: f32,
+}
+
+impl Neighbours {
+    /// What to look for among so many photons.
+    ///
+    /// ```
+    /// use tyndall_density::Dimension;
+    /// use tyndall_photons::Neighbours;
+    /// let mut neighbours = Neighbours {
+    ///     photons: 50.0,
+    ///     dimension: Dimension::Two,
+    ///     max_radius: 1.0,
+    /// };
+    /// let aim = neighbours.aim(10_000);
+    /// assert_eq!((aim.count, aim.limit, aim.part), (50, 1.0, 1.0));
+    /// neighbours.photons = 4.0;
+    /// let aim = neighbours.aim(10_000);
+    /// assert_eq!((aim.count, aim.limit, aim.part), (16, 2.0, 0.5));
+    /// ```
+    pub fn aim(self, among: usize) -> Aim {
+        let count = self.photons.max(among.min(FEWEST) as f64).ceil().max(2.0);
+        let dimension = f64::from(self.dimension.number());
+        let part = (self.photons / count).powf(dimension.recip()) as f32;
+        Aim {
+            count: count as usize,
+            limit: self.max_radius / part,
+            part,
+        }
+    }
 }
 
 impl Search {
-    /// Room for what a search finds; reuse it.
-    pub fn room(self) -> Nearest {
-        Nearest::new(match self {
-            Self::Within(_) => 0,
-            Self::Nearest { count, .. } => count,
-        })
-    }
-
     /// Calls `visit` with every photon taken (its slot), its squared distance and the radius.
+    /// `room` is reused from one search to the next.
     pub fn visit<S: Spectrum>(
         self,
         photons: &Photons<S>,
@@ -40,32 +89,30 @@ impl Search {
         room: &mut Nearest,
         mut visit: impl FnMut(usize, f32, f32),
     ) {
-        match self {
-            Self::Within(radius) => photons.within(center, radius, |slot, distance_squared| {
-                visit(slot, distance_squared, radius);
-            }),
-            Self::Nearest {
-                count,
-                max_radius,
-                shrink,
-            } => {
-                photons.nearest(center, max_radius, room);
-                // The farthest is last. It is left out by its place, for its distance squared may
-                // round to either side of its radius squared.
-                let (radius, taken) = match room.found() {
-                    [nearer @ .., farthest]
-                        if nearer.len() + 1 == count || max_radius == f32::INFINITY =>
-                    {
-                        (farthest.distance_squared.sqrt(), nearer)
-                    }
-                    all => (max_radius, all),
-                };
-                let radius = shrink * radius;
-                for neighbour in taken {
-                    if shrink == 1.0 || neighbour.distance_squared < radius * radius {
-                        visit(neighbour.slot as usize, neighbour.distance_squared, radius);
-                    }
-                }
+        let Aim { count, limit, part } = match self {
+            Self::Nearest(neighbours) => neighbours.aim(photons.len()),
+            Self::Within(radius) => {
+                return photons.within(center, radius, |slot, distance_squared| {
+                    visit(slot, distance_squared, radius);
+                });
+            }
+        };
+        if room.k() != count {
+            *room = Nearest::new(count);
+        }
+        photons.nearest(center, limit, room);
+        // The farthest is last. It is left out by its place, for its distance squared may round to
+        // either side of its radius squared.
+        let (reach, taken) = match room.found() {
+            [nearer @ .., farthest] if nearer.len() + 1 == count || limit == f32::INFINITY => {
+                (farthest.distance_squared.sqrt(), nearer)
+            }
+            all => (limit, all),
+        };
+        let radius = part * reach;
+        for neighbour in taken {
+            if part == 1.0 || neighbour.distance_squared < radius * radius {
+                visit(neighbour.slot as usize, neighbour.distance_squared, radius);
             }
         }
     }

@@ -34,36 +34,37 @@
 //! r(n)ᵈ = r₀ᵈ (1 + n/n₀)^(α−1),   d = 2 on surfaces, 3 in media
 //! ```
 //!
-//! exactly in the memoryless way ([`Schedule`]), and by statistics wherever photons are spread
-//! evenly: a pixel begins as if it had kept the k photons of its starting radius. The picture to
-//! be expected after n paths then does not depend on how many of them make a pass. By statistics
-//! this holds while passes are small beside n₀: with n₀ paths a pass radii stay wider by 4 % in
-//! media and 5 % on surfaces, with 16 n₀ by 31 % and 39 %.
+//! exactly in the memoryless way ([`Schedule`](tyndall_density::Schedule)), and by statistics
+//! wherever photons are spread evenly: a pixel begins as if it had kept the k photons of its
+//! starting radius. The picture to be expected after n paths then does not depend on how many of
+//! them make a pass. By statistics this holds while passes are small beside n₀: with n₀ paths a
+//! pass radii stay wider by 4 % in media and 5 % on surfaces, with 16 n₀ by 31 % and 39 %.
 //!
 //! # Bias and variance
 //! Of n paths the variance is ∝ n^−α and the bias ∝ n^−2(1−α)/d; with the default α = 4/(4 + d)
 //! the root mean square error falls as n^−1/3 on surfaces and n^−2/7 in media, against n^−1/2 of
 //! an unbiased method. The bias is blur: within a radius of edges of shadows, of the boundary of a
-//! medium and of a surface, of corners and of thin walls, through which light leaks; there it falls only with the radius, not its square.
+//! medium and of a surface, of corners and of thin walls, through which light leaks; there it falls
+//! only with the radius, not its square.
 //!
 //! # What it does not handle well
-//! By statistics, a pixel whose walks end in bright places and in dark ones has one radius for all of
-//! them. Where a medium thins out to nothing, photons that lie in denser places count at collisions in
-//! thin ones: rare bright samples. Media that emit are seen but do not light their surroundings.
-//! A pass whose maps hold fewer photons than are looked for has no measure of the radius: a point
-//! farther from them than [`max_radius`](ProgressivePhotonMap::max_radius) stays dark, and without
-//! one (in a scene without bounds) the farthest photon is left out.
+//! By statistics, a pixel whose walks end in bright places and in dark ones has one radius for all
+//! of them. Where a medium thins out to nothing, photons that lie in denser places count at
+//! collisions in thin ones: rare bright samples. Media that emit are seen but do not light their
+//! surroundings. Radii of a pass that leaves only a few photons in a map are those of the whole
+//! map.
 //!
 //! # Promised ranges
-//! Radii from 1e-12 to 1e12 scene units ([`RADII`]) as they are given and as they have shrunk, α in
-//! (0, 1], any extinction, any albedo, 1 to 2⁶⁴ light paths in all. What is out of range is an
-//! error of the first pass that meets it.
+//! Radii from 1e-12 to 1e12 scene units ([`RADII`](tyndall_density::RADII)) as they are given and
+//! as they have shrunk, α in (0, 1], any extinction, any albedo, 1 to 2⁶⁴ light paths in all. What
+//! is out of range is an error of the first pass that meets it.
 //!
 //! # Cost
-//! Memory: the photons of one pass, 29.5 bytes each in three channels; the list that maps are built of,
-//! 44 bytes a photon, is bounded by [`max_bytes`](ProgressivePhotonMap::max_bytes); and a [`Pixel`], 32 bytes.
-//! Time: linear in light paths, and a search a vertex of sight, ∝ the logarithm of the photons;
-//! the memoryless way looks for the nearest photons in every pass, statistics in the first alone.
+//! Memory: the photons of one pass, 29.5 bytes each in three channels; the list that maps are built
+//! of, 44 bytes a photon, is bounded by [`max_bytes`](ProgressivePhotonMap::max_bytes); and a
+//! [`Pixel`], 32 bytes. Time: linear in light paths, and a search a vertex of sight, ∝ the
+//! logarithm of the photons; the memoryless way looks for the nearest photons in every pass,
+//! statistics in the first alone.
 //!
 //! # References
 //! - Toshiya Hachisuka, Shinji Ogaki, Henrik Wann Jensen (2008), "Progressive Photon Mapping".
@@ -84,14 +85,14 @@ pub use memory::{Pass, Pixel};
 
 use memory::Place;
 use points::Points;
-use reach::{Reach, Start};
+use reach::Reach;
 use std::marker::PhantomData;
 use tyndall_core::{
-    Figure, Geometry, Integrator, LightEmission, Media, PassContext, PassError, Sampler, SensorRay,
-    Shading, StateError, Streams,
+    Aabb, Figure, Geometry, Integrator, LightEmission, Media, PassContext, PassError, Sampler,
+    SensorRay, Shading, StateError, Streams,
 };
-use tyndall_density::{Dimension, Kernel, RADII, Schedule, ScheduleError, Shrinkage};
-use tyndall_photons::{Emission, PhotonMaps, radiance};
+use tyndall_density::{Dimension, Kernel};
+use tyndall_photons::{Emission, PhotonMaps, Progress, Start, radiance};
 use tyndall_walk::{ByPhotons, BySampling, DirectLight};
 
 /// What makes radii shrink.
@@ -108,10 +109,8 @@ pub enum Radii {
 #[derive(Clone, Copy, Debug)]
 pub struct ProgressivePhotonMap<D = ByPhotons> {
     emission: Emission,
-    starting_paths: u64,
-    start: Start,
-    max_radius: Option<f32>,
-    alpha: Option<f64>,
+    progress: Progress,
+    reach: tyndall_photons::Reach,
     kernel: Kernel,
     radii: Radii,
     direct: PhantomData<D>,
@@ -136,10 +135,8 @@ impl<D> Default for ProgressivePhotonMap<D> {
     fn default() -> Self {
         Self {
             emission: Emission::default(),
-            starting_paths: 100_000,
-            start: Start::Nearest(50),
-            max_radius: None,
-            alpha: None,
+            progress: Progress::default(),
+            reach: tyndall_photons::Reach::nearest(50),
             kernel: Kernel::default(),
             radii: Radii::default(),
             direct: PhantomData,
@@ -167,46 +164,40 @@ impl<D> ProgressivePhotonMap<D> {
     /// Starts with the radius that holds this many photons of
     /// [`starting_paths`](Self::starting_paths) light paths, at least 2.
     #[must_use]
-    pub fn nearest(self, photons: usize) -> Self {
-        let start = Start::Nearest(photons);
-        Self { start, ..self }
+    pub fn nearest(mut self, photons: usize) -> Self {
+        self.reach.start = Start::Nearest(photons);
+        self
     }
 
     /// Starts with this radius everywhere, in scene units.
     #[must_use]
-    pub fn radius(self, radius: f32) -> Self {
-        let start = Start::Radius(radius);
-        Self { start, ..self }
+    pub fn radius(mut self, radius: f32) -> Self {
+        self.reach.start = Start::Radius(radius);
+        self
     }
 
     /// The number of light paths for which the starting radius is meant, at least 1.
     #[must_use]
-    pub fn starting_paths(self, starting_paths: u64) -> Self {
-        Self {
-            starting_paths,
-            ..self
-        }
+    pub fn starting_paths(mut self, paths: u64) -> Self {
+        self.progress.starting_paths = paths;
+        self
     }
 
-    /// Looks for the nearest photons no farther away, in scene units; may be infinite. Without it,
-    /// a tenth of the diagonal of the host's bounds if they are finite and not empty. A
-    /// [`radius`](Self::radius) that is given is not limited.
+    /// The starting radius of the nearest photons is not larger, in scene units; may be infinite.
+    /// Without it, a tenth of the diagonal of the host's bounds: see
+    /// [`Reach::max_radius`](tyndall_photons::Reach::max_radius).
     #[must_use]
-    pub fn max_radius(self, radius: f32) -> Self {
-        Self {
-            max_radius: Some(radius),
-            ..self
-        }
+    pub fn max_radius(mut self, radius: f32) -> Self {
+        self.reach.max_radius = Some(radius);
+        self
     }
 
     /// The share of photons kept as radii shrink, in (0, 1], on surfaces and in media; 1 keeps the
     /// radius. Without it, 2/3 on surfaces and 4/7 in media, for which the error falls fastest.
     #[must_use]
-    pub fn alpha(self, alpha: f64) -> Self {
-        Self {
-            alpha: Some(alpha),
-            ..self
-        }
+    pub fn alpha(mut self, alpha: f64) -> Self {
+        self.progress.alpha = Some(alpha);
+        self
     }
 
     /// How a photon is smoothed.
@@ -222,56 +213,17 @@ impl<D> ProgressivePhotonMap<D> {
     }
 
     /// How far the vertices of one kind gather in pass `pass`.
-    fn reach(&self, dimension: Dimension, pass: u64, max_radius: f32) -> Result<Reach, PassError> {
-        let unsupported = |why: ScheduleError| PassError::Unsupported(why.to_string());
-        let shrinkage = match self.alpha {
-            None => Shrinkage::optimal(dimension),
-            Some(alpha) => Shrinkage::new(dimension, alpha).map_err(unsupported)?,
-        };
-        let schedule = Schedule::new(shrinkage, self.starting_paths).map_err(unsupported)?;
-        let scale = match self.radii {
-            Radii::Memoryless => {
-                schedule.scale(self.emission.first_path(pass), self.emission.paths)
-            }
-            Radii::Statistics => 1.0,
-        };
-        match self.start {
-            Start::Radius(radius) if !RADII.contains(&(radius * scale)) => {
-                return Err(PassError::Unsupported(format!(
-                    "`radius` is {radius}, times {scale} in this pass; start with one that stays \
-                     within 1e-12 to 1e12 scene units, or use `nearest`"
-                )));
-            }
-            Start::Radius(_) | Start::Nearest(_) => {}
+    fn reach(&self, dimension: Dimension, pass: u64, bounds: Aabb) -> Result<Reach, PassError> {
+        let mut share = self.progress.share(dimension, self.emission, pass)?;
+        if self.radii == Radii::Statistics {
+            share.radius = 1.0; // pixels shrink it
         }
-        let share = self.emission.paths as f64 / self.starting_paths as f64;
-        Ok(Reach::new(self.start, shrinkage, share, scale, max_radius))
+        Ok(Reach {
+            search: self.reach.in_pass("", dimension, share, bounds)?,
+            shrinkage: self.progress.shrinkage(dimension)?,
+            share,
+        })
     }
-
-    /// Says what of the options no pass can work with.
-    fn check(&self) -> Result<(), PassError> {
-        let problem = match (self.start, self.max_radius) {
-            _ if self.emission.paths == 0 => {
-                "`paths` is 0; trace at least 1 light path a pass".to_owned()
-            }
-            (Start::Nearest(photons), _) if photons < 2 => {
-                format!("`nearest` is {photons}; look for at least 2 photons")
-            }
-            (_, Some(radius)) if radius.is_nan() || radius <= 0.0 => {
-                format!("`max_radius` is {radius}; make it more than 0, or leave it out")
-            }
-            _ => return Ok(()),
-        };
-        Err(PassError::Unsupported(problem))
-    }
-}
-
-/// No photon farther away is looked for, if nothing is said.
-fn default_max_radius<H: Geometry>(host: &H) -> f32 {
-    let bounds = host.bounds();
-    let radius = 0.1 * (bounds.max - bounds.min).length();
-    let bounded = bounds.max.cmpge(bounds.min).all() && radius > 0.0 && radius.is_finite();
-    if bounded { radius } else { f32::INFINITY }
 }
 
 impl<H, D> Integrator<H> for ProgressivePhotonMap<D>
@@ -289,11 +241,10 @@ where
         previous: Option<Self::Pass>,
     ) -> Result<Self::Pass, PassError> {
         drop(previous); // before the photons of this pass are traced
-        self.check()?;
-        let max_radius = self.max_radius.unwrap_or_else(|| default_max_radius(host));
+        let bounds = host.bounds();
         Ok(Pass {
-            surfaces: self.reach(Dimension::Two, cx.pass, max_radius)?,
-            media: self.reach(Dimension::Three, cx.pass, max_radius)?,
+            surfaces: self.reach(Dimension::Two, cx.pass, bounds)?,
+            media: self.reach(Dimension::Three, cx.pass, bounds)?,
             maps: PhotonMaps::trace::<H, D, R>(host, cx, self.emission)?,
         })
     }
@@ -321,14 +272,17 @@ where
     }
 
     fn figures(&self, pass: &Self::Pass) -> Vec<Figure> {
-        let mut figures = self.emission.figures(pass.maps.photons());
+        let mut figures = self.emission.figures(pass.maps.photons(), pass.maps.lost);
         if self.radii == Radii::Memoryless {
             figures.extend([
                 Figure::range(
                     "radius on surfaces over the starting one",
-                    pass.surfaces.scale,
+                    pass.surfaces.share.radius,
                 ),
-                Figure::range("radius in media over the starting one", pass.media.scale),
+                Figure::range(
+                    "radius in media over the starting one",
+                    pass.media.share.radius,
+                ),
             ]);
         }
         figures
@@ -336,22 +290,10 @@ where
 
     fn options(&self) -> Vec<(&'static str, String)> {
         let mut options = self.emission.options(D::BY_PHOTONS);
-        options.push(("starting_paths", self.starting_paths.to_string()));
-        match (self.start, self.max_radius) {
-            (Start::Radius(radius), _) => options.push(("radius", radius.to_string())),
-            (Start::Nearest(photons), max_radius) => options.extend([
-                ("nearest", photons.to_string()),
-                (
-                    "max_radius",
-                    max_radius.map_or("a tenth of the scene".into(), |max| max.to_string()),
-                ),
-            ]),
-        }
-        let best = "2/3 on surfaces and 4/7 in media";
-        let alpha = self.alpha.map_or(best.into(), |alpha| alpha.to_string());
+        options.extend(self.progress.options("2/3 on surfaces and 4/7 in media"));
+        options.extend(self.reach.options(["radius", "nearest", "max_radius"]));
         let statistics = self.radii == Radii::Statistics;
         options.extend([
-            ("alpha", alpha),
             ("kernel", self.kernel.to_string()),
             ("statistics", statistics.to_string()),
         ]);

@@ -1,9 +1,9 @@
 //! What passes and pixels hold.
 
-use crate::reach::{Reach, Start};
+use crate::reach::Reach;
 use tyndall_core::StateError;
 use tyndall_density::Statistics;
-use tyndall_photons::PhotonMaps;
+use tyndall_photons::{PhotonMaps, Search};
 
 /// The photons of a pass, and how far to gather them.
 #[derive(Clone, Debug)]
@@ -18,8 +18,8 @@ pub struct Pass<S> {
 ///
 /// Its vertices are new in every pass; those on surfaces share one radius and count, those in media
 /// another (Hachisuka & Jensen 2009, "shared statistics"). The flux that the paper stores as well
-/// is not here: the mean over passes of what each estimates, with its radius before the update, *is*
-/// the paper's estimate (see [`Statistics`]), and the film takes it.
+/// is not here: the mean over passes of what each estimates, with its radius before the update,
+/// *is* the paper's estimate (see [`Statistics`]), and the film takes it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pixel {
     /// Of its vertices on surfaces. Radius 0: none has found a photon yet.
@@ -109,10 +109,11 @@ impl<'p> Place<'p> {
         };
         let found = self.found as f64;
         if statistics.count == 0.0 && found > 0.0 {
-            statistics.count = match self.reach.start {
-                Start::Nearest(photons) => photons as f64,
-                Start::Radius(_) => found / self.reach.share,
+            let of_pass = match self.reach.search {
+                Search::Nearest(neighbours) => neighbours.photons,
+                Search::Within(_) => found,
             };
+            statistics.count = of_pass / self.reach.share.paths;
         }
         statistics.update(found, self.reach.shrinkage);
     }

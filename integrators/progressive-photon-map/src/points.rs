@@ -64,31 +64,27 @@ where
         let Self { maps, room, .. } = self;
         let (position, wo) = (vertex.position, vertex.wo);
         let photons = maps.in_medium(vertex.medium);
-        let Some(radius) =
-            (self.media).radius(|reach| reach.around(position, photons.as_slice(), room))
-        else {
-            return H::Spectrum::default();
+        let radius = (self.media).radius(|reach| reach.around(position, photons.as_slice(), room));
+        let gathered = match (photons, radius) {
+            (Some(photons), Some(radius)) => Gather::new(Search::Within(radius), self.kernel)
+                .medium(photons, position, wo, medium),
+            _ => Gathered::default(),
         };
-        let gathered = photons.map_or_else(Gathered::default, |photons| {
-            Gather::new(Search::Within(radius), self.kernel).medium(photons, position, wo, medium)
-        });
         self.media.found(gathered.photons);
         gathered.radiance
     }
 
-    fn surface(&mut self, point: &SurfacePoint<'_, H>, _: Incident) -> H::Spectrum {
+    fn surface(&mut self, point: &SurfacePoint<'_, H>, light: Incident) -> H::Spectrum {
         let Self { maps, room, .. } = self;
-        let both = [&maps.caustic, &maps.diffuse];
+        let both = maps.surfaces();
         let Some(radius) =
             (self.surfaces).radius(|reach| reach.around(point.position(), &both, room))
         else {
             return H::Spectrum::default();
         };
         let mut gather = Gather::new(Search::Within(radius), self.kernel);
-        let caustic = gather.surface(&maps.caustic, point, true);
-        let diffuse = gather.surface(&maps.diffuse, point, false);
-        self.surfaces.found(caustic.photons);
-        self.surfaces.found(diffuse.photons);
-        caustic.radiance + diffuse.radiance
+        let gathered = gather.incident(both, point, light);
+        self.surfaces.found(gathered.photons);
+        gathered.radiance
     }
 }

@@ -120,7 +120,8 @@ pub enum Route {
 
 impl<H: Geometry + Shading + Media> Walk<'_, H> {
     /// Walks to the end. `visit` is told every vertex, the flux that arrives there (before the
-    /// scattering, in W) and what the light has met before.
+    /// scattering, in W) and what the light has met before. The first where the flux or the place
+    /// is not finite is the last: Russian roulette would not end such a walk.
     pub fn visit(
         mut self,
         sampler: &mut impl Sampler,
@@ -134,6 +135,9 @@ impl<H: Geometry + Shading + Media> Walk<'_, H> {
                 Event::Interface(_) | Event::Escape(_) => return,
                 Event::Scattering(vertex) => {
                     visit(&vertex, self.throughput, route);
+                    if !(self.throughput.is_finite() && vertex.position.is_finite()) {
+                        return;
+                    }
                     let Some(scattered) = self.scatter(&vertex, sampler) else {
                         return;
                     };

@@ -24,6 +24,7 @@
 //! makes a module `point_light` with the tests `sensor`, `geometry`, `shading`, `direct`,
 //! `emission` and `power`.
 
+mod ball;
 mod direct;
 mod emission;
 mod geometry;
@@ -33,6 +34,7 @@ mod probe;
 mod sensor;
 mod shading;
 
+pub use ball::{lamp, view};
 pub use direct::direct;
 pub use emission::{emission, power};
 pub use geometry::geometry;

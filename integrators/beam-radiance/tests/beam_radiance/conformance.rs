@@ -4,29 +4,12 @@
 //! most of the noise is of other origin.
 
 use crate::fog;
-use glam::Vec3;
 use tyndall_beam_radiance::{BeamRadiance, Blur};
 use tyndall_core::{Rgb, Spectrum};
 use tyndall_media::Homogeneous;
-use tyndall_testkit::hosts::{AnalyticHost, Interface, Light, View};
+use tyndall_testkit::conformance::{lamp, view};
+use tyndall_testkit::hosts::{AnalyticHost, Interface};
 use tyndall_testkit::integrator_conformance;
-
-fn view(scale: f32) -> View {
-    View::Pinhole {
-        eye: Vec3::new(0.0, 0.0, -3.0 * scale),
-        forward: Vec3::Z,
-        half_width: 0.5,
-        pixels: 20,
-    }
-}
-
-/// Beside a ball: its light is scattered before it is seen.
-fn lamp<S: Spectrum>(scale: f32) -> Light<S> {
-    Light::Point {
-        position: Vec3::new(0.5, 2.0, 0.3) * scale,
-        power: S::splat(30.0 * scale * scale),
-    }
-}
 
 fn haze<S: Spectrum>(scale: f32, g: f32) -> Homogeneous<S> {
     let sigma_a = S::from_channels(|i| 0.3 / scale * (1.0 + i as f32));

@@ -34,9 +34,11 @@ fn radiance_does_not_depend_on_how_paths_are_cut_into_passes() {
             samples,
             seed,
         };
-        let many = run(1, 160, 1).measure(&host, &method.paths(1_000));
         let few = run(2, 10, 16).measure(&host, &method.paths(16_000));
-        figures.same(format!("{method:?}"), many[0], few[0], 0.03);
+        for (paths, passes) in [(1_000, 160), (100, 1_600)] {
+            let many = run(1, passes, 1).measure(&host, &method.paths(paths));
+            figures.same(format!("{paths}: {method:?}"), many[0], few[0], 0.03);
+        }
     }
     figures.check();
 }

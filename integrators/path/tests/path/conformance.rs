@@ -1,10 +1,10 @@
 //! What every integrator must hold, held by the path tracer.
 
-use glam::Vec3;
 use tyndall_core::{Coefficients, Rgb, Spectrum};
 use tyndall_media::{Homogeneous, Phase};
 use tyndall_path::{Path, Scattering};
-use tyndall_testkit::hosts::{AnalyticHost, Interface, Light, View};
+use tyndall_testkit::conformance::{lamp, view};
+use tyndall_testkit::hosts::{AnalyticHost, Interface};
 use tyndall_testkit::integrator_conformance;
 
 /// Fog of albedo 0.8 and σt 1.5 per unit of `scale`; it glows.
@@ -16,23 +16,6 @@ fn fog<S: Spectrum>(scale: f32, g: f32) -> Homogeneous<S> {
     };
     let phase = Phase::henyey_greenstein(g).expect("a valid mean cosine");
     Homogeneous::new(coefficients, phase).expect("valid coefficients")
-}
-
-fn view(scale: f32) -> View {
-    View::Pinhole {
-        eye: Vec3::new(0.0, 0.0, -3.0 * scale),
-        forward: Vec3::Z,
-        half_width: 0.5,
-        pixels: 20,
-    }
-}
-
-/// A light whose radiance does not depend on the scale: flux grows with the area.
-fn lamp<S: Spectrum>(scale: f32) -> Light<S> {
-    Light::Point {
-        position: Vec3::new(0.5, 2.0, 0.3) * scale,
-        power: S::splat(30.0 * scale * scale),
-    }
 }
 
 integrator_conformance! {

@@ -8,7 +8,8 @@ use glam::Vec3;
 use tyndall_core::{Coefficients, Rgb, Spectrum};
 use tyndall_media::Homogeneous;
 use tyndall_photon_map::{Kernel, PhotonMap};
-use tyndall_testkit::hosts::{AnalyticHost, Interface, Light, View};
+use tyndall_testkit::conformance::{lamp, view};
+use tyndall_testkit::hosts::{AnalyticHost, Interface, Light};
 use tyndall_testkit::integrator_conformance;
 
 /// Fog of σt 1.5 and more per unit of `scale`; it glows.
@@ -19,23 +20,6 @@ fn fog<S: Spectrum>(scale: f32, g: f32) -> Homogeneous<S> {
         emission: S::splat(0.2 / scale),
     };
     Homogeneous::new(coefficients, phase(g)).expect("valid coefficients")
-}
-
-fn view(scale: f32) -> View {
-    View::Pinhole {
-        eye: Vec3::new(0.0, 0.0, -3.0 * scale),
-        forward: Vec3::Z,
-        half_width: 0.4,
-        pixels: 17,
-    }
-}
-
-/// A light whose radiance does not depend on the scale: flux grows with the area.
-fn lamp<S: Spectrum>(scale: f32) -> Light<S> {
-    Light::Point {
-        position: Vec3::new(0.5, 2.0, 0.3) * scale,
-        power: S::splat(30.0 * scale * scale),
-    }
 }
 
 fn beam<S: Spectrum>(scale: f32) -> Light<S> {

@@ -98,9 +98,9 @@ fn for_passes<H, I>(
     I: Integrator<H, Pixel = ()>,
 {
     for pass in 0..passes {
-        let maps = with_context(pass, |cx| integrators[0].begin_pass(host, cx, None));
-        let maps = maps.expect("photons");
         let mean = |integrator: &I| {
+            let maps = with_context(pass, |cx| integrator.begin_pass(host, cx, None));
+            let maps = maps.expect("photons");
             let mut sampler = rng(pass + 1);
             let mut mean = vec![0.0; H::Spectrum::CHANNELS];
             for _ in 0..rays {

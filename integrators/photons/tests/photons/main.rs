@@ -1,6 +1,8 @@
 //! Photon maps and what is gathered of them. False alarms: 1e-4 a test, fixed seeds.
 
 mod fluence;
+mod lost;
+mod reach;
 mod search;
 mod surfaces;
 

@@ -3,9 +3,9 @@
 use super::FALSE_ALARM;
 use glam::Vec3;
 use tyndall_core::Sampler;
-use tyndall_density::Kernel;
-use tyndall_kd_tree::{Photon, Photons};
-use tyndall_photons::Search;
+use tyndall_density::{Dimension, Kernel};
+use tyndall_kd_tree::{Nearest, Photon, Photons};
+use tyndall_photons::{Neighbours, Search};
 use tyndall_testkit::rng;
 use tyndall_testkit::stats::{Moments, check_mean, sidak};
 
@@ -30,7 +30,7 @@ fn cube(count: usize, seed: u64) -> Photons<f32> {
 
 /// The density at the origin.
 fn density(photons: &Photons<f32>, search: Search, kernel: Kernel) -> f64 {
-    let (mut sum, mut room) = (0.0, search.room());
+    let (mut sum, mut room) = (0.0, Nearest::new(0));
     search.visit(photons, Vec3::ZERO, &mut room, |slot, d2, radius| {
         sum += f64::from(photons.flux(slot) * kernel.weight_3d(d2, radius));
     });
@@ -40,19 +40,21 @@ fn density(photons: &Photons<f32>, search: Search, kernel: Kernel) -> f64 {
 #[test]
 fn every_search_finds_the_density() {
     // A watt in a volume of 8: with the k-th photon dropped, the mean is 1/8 for any k and kernel.
-    let nearest = |count, max_radius, shrink| Search::Nearest {
-        count,
-        max_radius,
-        shrink,
+    let nearest = |photons, max_radius| {
+        Search::Nearest(Neighbours {
+            photons,
+            dimension: Dimension::Three,
+            max_radius,
+        })
     };
     let searches = [
         Search::Within(0.4),
-        nearest(3, f32::INFINITY, 1.0),
-        nearest(40, f32::INFINITY, 1.0),
-        nearest(40, f32::INFINITY, 0.5),
+        nearest(3.0, f32::INFINITY),
+        nearest(40.0, f32::INFINITY),
+        nearest(18.7, f32::INFINITY),
         // Reached by some of the searches only.
-        nearest(40, 0.44, 1.0),
-        nearest(40, 0.42, 0.7),
+        nearest(40.0, 0.44),
+        nearest(13.7, 0.3),
     ];
     let cases = || {
         searches

@@ -5,9 +5,8 @@ use glam::Vec3;
 use std::marker::PhantomData;
 use std::path::Path;
 use tyndall_core::{HostTypes, MediumId, Ray, Rgb, Sampler, SensorRay, Spectrum};
-use tyndall_density::{Kernel, SurfacePoint};
-use tyndall_kd_tree::Photons;
-use tyndall_photons::{Gather, Incident, PhotonMaps, Search, Sight, radiance};
+use tyndall_density::{Dimension, Kernel, SurfacePoint};
+use tyndall_photons::{Gather, Incident, Neighbours, PhotonMaps, Search, Sight, radiance};
 use tyndall_scene_io::{Scene, SceneFile};
 use tyndall_testkit::rng;
 use tyndall_testkit::stats::{Moments, check_means};
@@ -50,12 +49,8 @@ impl<D: DirectLight<Scene<Rgb>>> Sight<Scene<Rgb>> for Surfaces<'_, D> {
     }
 
     fn surface(&mut self, point: &SurfacePoint<'_, Scene<Rgb>>, light: Incident) -> Rgb {
-        let mut on = |photons: &Photons<Rgb>, sharp| self.gather.surface(photons, point, sharp);
-        let caustic = on(&self.maps.caustic, true).radiance;
-        match light {
-            Incident::All => caustic + on(&self.maps.diffuse, false).radiance,
-            Incident::Unscattered => caustic,
-        }
+        let photons = self.maps.surfaces();
+        self.gather.incident(photons, point, light).radiance
     }
 
     fn final_gather(&self) -> u32 {
@@ -106,11 +101,11 @@ const RAYS: u32 = 32;
 
 const SEARCHES: [Search; 2] = [
     Search::Within(0.3),
-    Search::Nearest {
-        count: 60,
+    Search::Nearest(Neighbours {
+        photons: 60.0,
+        dimension: Dimension::Two,
         max_radius: 0.5,
-        shrink: 1.0,
-    },
+    }),
 ];
 
 #[test]

