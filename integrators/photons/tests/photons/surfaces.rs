@@ -193,7 +193,7 @@ fn an_integrating_sphere() {
     });
     for search in SEARCHES {
         for final_gather in [0, 3] {
-            let effort = (24, 8_000);
+            let effort = (16, 6_000);
             let found = measured::<BySampling>(&host, ray, (search, final_gather), effort);
             check("by sampling", found, Rgb(Vec3::from(expected)));
             let found = measured::<ByPhotons>(&host, ray, (search, final_gather), effort);
@@ -212,7 +212,7 @@ fn mirrors_and_coats() {
 #[test]
 fn what_is_nearly_specular() {
     // A sharp lobe makes much of few photons: a disc almost to the edge holds the more of them.
-    white_in_the_furnace("glossy", Search::Within(0.75), (60, 24_000));
+    white_in_the_furnace("glossy", Search::Within(0.75), (40, 16_000));
 }
 
 /// White things in the furnace are white: a mirror, a metal whose lobe is sharp at its middle and

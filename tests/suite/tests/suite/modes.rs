@@ -7,16 +7,16 @@ use tyndall_photon_map::PhotonMap;
 use tyndall_progressive_photon_map::{ProgressivePhotonMap, Radii};
 use tyndall_scene_io::Scene;
 
-pub type Method = Box<dyn AnyIntegrator<Scene<Rgb>, PassStreams>>;
+pub(crate) type Method = Box<dyn AnyIntegrator<Scene<Rgb>, PassStreams>>;
 
 /// A method and its options.
 #[derive(Clone, Copy)]
-pub struct Mode {
-    pub name: &'static str,
+pub(crate) struct Mode {
+    pub(crate) name: &'static str,
     /// With radii times a scale, 1 or 1/2, and so many light paths a pass.
-    pub at_scale: fn(f32, u64) -> Method,
+    pub(crate) at_scale: fn(f32, u64) -> Method,
     /// The least and the most of its bias that may be left at half the scale, over what is gone.
-    pub left: [f64; 2],
+    pub(crate) left: [f64; 2],
 }
 
 /// In scenes of side 2.
@@ -41,7 +41,7 @@ const fn mode(name: &'static str, left: [f64; 2], at_scale: fn(f32, u64) -> Meth
 
 impl Mode {
     /// Where surfaces are curved.
-    pub const fn curved(self) -> Self {
+    pub(crate) const fn curved(self) -> Self {
         let left = CURVED;
         Self { left, ..self }
     }
@@ -65,28 +65,28 @@ fn beams<D>(beams: BeamRadiance<D>, scale: f32, paths: u64) -> BeamRadiance<D> {
     beams.radius(RADIUS * scale).surface_radius(RADIUS * scale)
 }
 
-pub const MAP: Mode = mode("photon_map", HALVED, |scale, paths| {
+pub(crate) const MAP: Mode = mode("photon_map", HALVED, |scale, paths| {
     Box::new(map(PhotonMap::new(), scale, paths))
 });
-pub const MAP_FINAL: Mode = mode("photon_map, final gathering", HALVED, |scale, paths| {
+pub(crate) const MAP_FINAL: Mode = mode("photon_map, final gathering", HALVED, |scale, paths| {
     Box::new(map(PhotonMap::new(), scale, paths).final_gather(2))
 });
-pub const MAP_SAMPLED: Mode = mode("photon_map, lights sampled", HALVED, |scale, paths| {
+pub(crate) const MAP_SAMPLED: Mode = mode("photon_map, lights sampled", HALVED, |scale, paths| {
     Box::new(map(PhotonMap::sampling_lights(), scale, paths))
 });
-pub const MAP_SAMPLED_FINAL: Mode = mode(
+pub(crate) const MAP_SAMPLED_FINAL: Mode = mode(
     "photon_map, lights sampled, final gathering",
     HALVED,
     |scale, paths| Box::new(map(PhotonMap::sampling_lights(), scale, paths).final_gather(2)),
 );
-pub const MAP_NEAREST: Mode = mode("photon_map, nearest", AN_EIGHTH, |scale, paths| {
+pub(crate) const MAP_NEAREST: Mode = mode("photon_map, nearest", AN_EIGHTH, |scale, paths| {
     Box::new(PhotonMap::new().paths(paths).nearest(nearest(scale)))
 });
 
-pub const PROGRESSIVE: Mode = mode("progressive_photon_map", HALVED, |scale, paths| {
+pub(crate) const PROGRESSIVE: Mode = mode("progressive_photon_map", HALVED, |scale, paths| {
     Box::new(progressive(ProgressivePhotonMap::new(), scale, paths))
 });
-pub const PROGRESSIVE_SAMPLED: Mode = mode(
+pub(crate) const PROGRESSIVE_SAMPLED: Mode = mode(
     "progressive_photon_map, lights sampled",
     HALVED,
     |scale, paths| {
@@ -94,7 +94,7 @@ pub const PROGRESSIVE_SAMPLED: Mode = mode(
         Box::new(progressive(map, scale, paths))
     },
 );
-pub const STATISTICS: Mode = mode(
+pub(crate) const STATISTICS: Mode = mode(
     "progressive_photon_map, statistics",
     SHRUNK,
     |scale, paths| {
@@ -103,7 +103,7 @@ pub const STATISTICS: Mode = mode(
         Box::new(map.radii(Radii::Statistics))
     },
 );
-pub const STATISTICS_SAMPLED: Mode = mode(
+pub(crate) const STATISTICS_SAMPLED: Mode = mode(
     "progressive_photon_map, statistics, lights sampled",
     SHRUNK,
     |scale, paths| {
@@ -113,10 +113,10 @@ pub const STATISTICS_SAMPLED: Mode = mode(
     },
 );
 
-pub const BEAMS: Mode = mode("beam_radiance", HALVED, |scale, paths| {
+pub(crate) const BEAMS: Mode = mode("beam_radiance", HALVED, |scale, paths| {
     Box::new(beams(BeamRadiance::new(), scale, paths))
 });
-pub const BEAMS_SAMPLED_BALLS: Mode = mode(
+pub(crate) const BEAMS_SAMPLED_BALLS: Mode = mode(
     "beam_radiance, lights sampled, balls",
     HALVED,
     |scale, paths| {
@@ -124,16 +124,16 @@ pub const BEAMS_SAMPLED_BALLS: Mode = mode(
         Box::new(beams.blur(Blur::Ball))
     },
 );
-pub const BEAMS_NEAREST: Mode = mode("beam_radiance, nearest", AN_EIGHTH, |scale, paths| {
+pub(crate) const BEAMS_NEAREST: Mode = mode("beam_radiance, nearest", AN_EIGHTH, |scale, paths| {
     let beams = BeamRadiance::new().paths(paths).starting_paths(paths);
     let beams = beams.nearest(nearest(scale)).alpha(1.0);
     Box::new(beams.surface_nearest(nearest(scale)))
 });
-pub const BEAMS_TRACKING: Mode = mode("beam_radiance, tracking", HALVED, |scale, paths| {
+pub(crate) const BEAMS_TRACKING: Mode = mode("beam_radiance, tracking", HALVED, |scale, paths| {
     let tracking = Transmittance::Tracking { flights: 2 };
     Box::new(beams(BeamRadiance::new(), scale, paths).transmittance(tracking))
 });
-pub const BEAMS_TRACKING_BALLS: Mode = mode(
+pub(crate) const BEAMS_TRACKING_BALLS: Mode = mode(
     "beam_radiance, tracking, lights sampled, balls",
     HALVED,
     |scale, paths| {
