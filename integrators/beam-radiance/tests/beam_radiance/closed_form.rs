@@ -193,7 +193,7 @@ fn the_furnace_is_white_away_from_the_boundary(tier: Tier) {
             for blur in [Blur::Disc, Blur::Ball] {
                 let host = AnalyticHost::furnace(medium.clone(), 1.0, interface, view.clone());
                 let run = Run {
-                    passes: tier.passes([60, 1_500]),
+                    passes: tier.passes([30, 1_000]),
                     samples: 1,
                     seed: 1,
                 };
