@@ -1,10 +1,13 @@
 //! Light paths of a pass. False alarms: 1e-3 a test, fixed seeds.
 
 use glam::Vec3;
+use std::collections::BTreeSet;
+use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use tyndall_core::{Coefficients, PassContext, PassError, Rgb, Spectrum};
 use tyndall_driver::PassStreams;
 use tyndall_media::{Homogeneous, Phase};
+use tyndall_scene_io::{Scene, SceneFile};
 use tyndall_testkit::hosts::{AnalyticHost, Interface, Light, View};
 use tyndall_testkit::stats::{Moments, check_means};
 use tyndall_walk::{LightPaths, Route, Site};
@@ -140,6 +143,157 @@ fn routes_tell_what_light_has_met() {
             assert_eq!(route, expected, "{interface:?}");
         }
     }
+}
+
+/// A room of side 2 with another material on each wall, open at its edges; in it a ball of glass,
+/// one of fog, and a lamp.
+fn room() -> Scene<Rgb> {
+    let text = r#"
+        camera = { position = [0, 0, 0.9], look_at = [0, 0, 0], fov = 40 }
+        film = { width = 4, height = 4 }
+        media.fog = { kind = "homogeneous", sigma_a = 0.1, sigma_s = 1 }
+        lights = [{ kind = "point", position = [0, 0, 0], power = 1 }]
+        [materials]
+        coated = { kind = "metallic_roughness", base_color = 0.9, roughness = 0 }
+        nearly_smooth = { kind = "conductor", eta = 0.2, k = 3, roughness = 0.001 }
+        rough = { kind = "metallic_roughness", base_color = 0.9, metallic = 1, roughness = 0.6 }
+        matt = { kind = "diffuse", reflectance = 0.9 }
+        mirror = { kind = "mirror", reflectance = 0.9 }
+        polished = { kind = "conductor", eta = 0.2, k = 3 }
+        glass = { kind = "dielectric", ior = 1.5 }
+        boundary = { kind = "null", inside = "fog" }
+        [[shapes]]
+        kind = "quad"
+        corner = [-0.9, -1, -0.9]
+        edge_u = [0, 0, 1.8]
+        edge_v = [1.8, 0, 0]
+        material = "coated"
+        [[shapes]]
+        kind = "quad"
+        corner = [-0.9, 1, -0.9]
+        edge_u = [1.8, 0, 0]
+        edge_v = [0, 0, 1.8]
+        material = "nearly_smooth"
+        [[shapes]]
+        kind = "quad"
+        corner = [-1, -0.9, -0.9]
+        edge_u = [0, 1.8, 0]
+        edge_v = [0, 0, 1.8]
+        material = "rough"
+        [[shapes]]
+        kind = "quad"
+        corner = [1, -0.9, -0.9]
+        edge_u = [0, 0, 1.8]
+        edge_v = [0, 1.8, 0]
+        material = "matt"
+        [[shapes]]
+        kind = "quad"
+        corner = [-0.9, -0.9, -1]
+        edge_u = [1.8, 0, 0]
+        edge_v = [0, 1.8, 0]
+        material = "mirror"
+        [[shapes]]
+        kind = "quad"
+        corner = [-0.9, -0.9, 1]
+        edge_u = [0, 1.8, 0]
+        edge_v = [1.8, 0, 0]
+        material = "polished"
+        [[shapes]]
+        kind = "sphere"
+        center = [-0.5, 0, 0]
+        radius = 0.3
+        material = "glass"
+        [[shapes]]
+        kind = "sphere"
+        center = [0.5, 0, 0]
+        radius = 0.3
+        material = "boundary"
+    "#;
+    let scene = SceneFile::parse(text, Path::new("room"), &[]).and_then(|file| file.build());
+    scene.unwrap_or_else(|why| panic!("{why}"))
+}
+
+/// What scatters at a place of the room.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Thing {
+    Fog,
+    Glass,
+    /// Mirror or smooth metal.
+    Smooth,
+    /// A diffuse base under a smooth coat: after the coat, and after the base.
+    Coat,
+    Base,
+    /// Roughness of the smallest α there is.
+    NearlySmooth,
+    Rough,
+    Matt,
+}
+
+impl Thing {
+    fn sends_on_in_discrete_directions(self) -> bool {
+        matches!(self, Self::Glass | Self::Smooth | Self::Coat)
+    }
+}
+
+/// By where it is; `wi` is where light went on from there.
+fn thing(collided: bool, position: Vec3, wo: Vec3, wi: Vec3) -> Thing {
+    let on = |wall: Vec3| (position.dot(wall) - 1.0).abs() < 1e-4;
+    if collided {
+        Thing::Fog
+    } else if on(Vec3::NEG_Y) {
+        let mirrored = Vec3::new(-wo.x, wo.y, -wo.z);
+        // One diffuse direction in a million is so near to it.
+        match mirrored.distance(wi) < 2e-3 {
+            true => Thing::Coat,
+            false => Thing::Base,
+        }
+    } else if on(Vec3::Y) {
+        Thing::NearlySmooth
+    } else if on(Vec3::NEG_X) {
+        Thing::Rough
+    } else if on(Vec3::X) {
+        Thing::Matt
+    } else if on(Vec3::Z) || on(Vec3::NEG_Z) {
+        Thing::Smooth
+    } else {
+        assert!((position.distance(Vec3::new(-0.5, 0.0, 0.0)) - 0.3).abs() < 1e-4);
+        Thing::Glass
+    }
+}
+
+#[test]
+fn routes_tell_what_light_has_met_at_surfaces() {
+    let host = room();
+    let paths = pass(0, |cx| {
+        LightPaths::new(cx, 20_000, u64::MAX).collect(&host, |walk, sampler, found| {
+            let mut path = Vec::new();
+            walk.visit(sampler, |vertex, _, route| {
+                let collided = matches!(vertex.site, Site::Collision(_));
+                path.push((collided, vertex.position, vertex.wo, route));
+            });
+            found.push(path);
+        })
+    });
+    let mut met = BTreeSet::new();
+    for path in paths.expect("light paths").concat() {
+        let mut expected = Route::Direct;
+        // The boundary of fog is nothing that light meets.
+        for (i, &(collided, position, wo, route)) in path.iter().enumerate() {
+            assert_eq!(route, expected, "vertex {i} of {path:?}");
+            let Some((_, _, next, _)) = path.get(i + 1) else {
+                break;
+            };
+            let thing = thing(collided, position, wo, -*next);
+            met.insert((format!("{route:?}"), thing));
+            expected = match route {
+                Route::Diffuse => Route::Diffuse,
+                _ if thing.sends_on_in_discrete_directions() => Route::Specular,
+                _ => Route::Diffuse,
+            };
+        }
+    }
+    // Everything was met by light of every route.
+    assert_eq!(met.len(), 3 * 8, "{met:?}");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Media that are not the same everywhere.
 
-use crate::{Figures, Run, extrapolated, fixed, fog, phase};
+use crate::{Figures, Run, Tier, extrapolated, fixed, fog, in_both_tiers, phase};
 use glam::Vec3;
 use tyndall_beam_radiance::{BeamRadiance, Blur, Transmittance};
 use tyndall_core::{Aabb, Coefficients, Medium, Rgb};
@@ -41,8 +41,9 @@ fn ball<M: Medium<Spectrum = Rgb>>(medium: M) -> AnalyticHost<M> {
     AnalyticHost::sphere(medium, 1.0, Interface::Matched, light, view)
 }
 
-#[test]
-fn a_constant_grid_is_a_homogeneous_medium() {
+in_both_tiers! { a_constant_grid_is_a_homogeneous_medium }
+
+fn a_constant_grid_is_a_homogeneous_medium(tier: Tier) {
     let (sigma_a, sigma_s) = (Rgb::new(0.1, 0.4, 0.0), Rgb::new(0.9, 1.6, 3.0));
     // Larger than the ball, so that it is constant to its boundary.
     let bounds = Aabb {
@@ -54,7 +55,7 @@ fn a_constant_grid_is_a_homogeneous_medium() {
     let grid = ball(grid.expect("a medium"));
     let even = ball(fog(sigma_a * 2.0, sigma_s * 2.0, -0.5));
     let run = |seed| Run {
-        passes: 80,
+        passes: tier.passes([80, 1_600]),
         samples: 1,
         seed,
     };
@@ -65,7 +66,12 @@ fn a_constant_grid_is_a_homogeneous_medium() {
         for (seed, transmittance) in [(2, TABLE), (3, FLIGHTS)] {
             let found = run(seed).measure(&grid, &method.transmittance(transmittance));
             for (c, (a, b)) in expected.iter().zip(found).enumerate() {
-                figures.same(format!("{blur:?} {transmittance:?} {c}"), *a, b, 0.04);
+                figures.same(
+                    format!("{blur:?} {transmittance:?} {c}"),
+                    *a,
+                    b,
+                    tier.precision(0.04),
+                );
             }
         }
     }

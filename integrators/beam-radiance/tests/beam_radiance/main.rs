@@ -6,6 +6,7 @@ mod conformance;
 mod extremes;
 mod heterogeneous;
 mod progressive;
+mod surfaces;
 mod transmittance;
 
 use std::sync::atomic::AtomicBool;
@@ -19,6 +20,57 @@ use tyndall_testkit::stats::{Estimate, Moments, check_means};
 use tyndall_testkit::{TestSampler, rng};
 
 const FALSE_ALARM: f64 = 1e-4;
+
+/// How long a test may take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Tier {
+    /// With every change: it sees what is lost or counted twice.
+    Short,
+    /// By hand: standard errors of 1 % at the most.
+    Long,
+}
+
+impl Tier {
+    fn passes(self, [short, long]: [u64; 2]) -> u64 {
+        match self {
+            Self::Short => short,
+            Self::Long => long,
+        }
+    }
+
+    /// The relative standard error that is asked for.
+    fn precision(self, short: f64) -> f64 {
+        match self {
+            Self::Short => short,
+            Self::Long => 0.01,
+        }
+    }
+}
+
+/// A short test and a long one of each of these functions of a tier.
+macro_rules! in_both_tiers {
+    ($($name:ident),+ $(,)?) => {
+        mod in_short {
+            $(
+                #[test]
+                fn $name() {
+                    super::$name($crate::Tier::Short);
+                }
+            )+
+        }
+
+        mod in_detail {
+            $(
+                #[test]
+                #[ignore = "long: cargo test -p tyndall-beam-radiance in_detail -- --ignored"]
+                fn $name() {
+                    super::$name($crate::Tier::Long);
+                }
+            )+
+        }
+    };
+}
+use in_both_tiers;
 
 /// What an integrator sees of a host: its passes, and in each so many samples a pixel.
 #[derive(Clone, Copy)]

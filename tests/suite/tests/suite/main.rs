@@ -3,5 +3,6 @@
 mod battery;
 mod dependency_law;
 mod furnace;
+mod modes;
 mod scale;
 mod threads;
