@@ -140,7 +140,8 @@ impl<D> BeamRadiance<D> {
         self
     }
 
-    /// Bytes that photons may take while they are traced; 4 GiB by default.
+    /// Bytes that photons may take at any time of a pass; 4 GiB by default. Finding their radii and
+    /// building their discs takes most: up to 128 each in three channels.
     #[must_use]
     pub fn max_bytes(mut self, bytes: u64) -> Self {
         self.emission.max_bytes = bytes;
@@ -253,7 +254,14 @@ where
         let volume = (self.volume).in_pass("", Dimension::Three, share, bounds)?;
         let surfaces = (self.surfaces).in_pass("surface_", two, share, bounds)?;
         let maps = PhotonMaps::trace::<H, D, R>(host, cx, self.emission)?;
-        Pass::build(maps, surfaces, volume, self.blur, share.radius)
+        Pass::build(
+            self.emission,
+            maps,
+            surfaces,
+            volume,
+            self.blur,
+            share.radius,
+        )
     }
 
     fn estimate(

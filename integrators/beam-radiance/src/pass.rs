@@ -5,8 +5,11 @@ use crate::discs::PhotonDiscs;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering};
 use tyndall_core::{Figure, MediumId, PassError, Spectrum};
-use tyndall_kd_tree::Photons;
-use tyndall_photons::{Aim, PhotonMaps, Search};
+use tyndall_kd_tree::{Photon, Photons};
+use tyndall_photons::{Aim, Emission, PhotonMaps, Search};
+
+/// Bytes that a photon in a medium takes at most, in its map and while its disc is built.
+const PEAK: usize = 128;
 
 /// The photons of a pass.
 #[derive(Debug)]
@@ -31,6 +34,7 @@ pub struct Pass<S> {
 
 impl<S: Spectrum> Pass<S> {
     pub(crate) fn build(
+        emission: Emission,
         maps: PhotonMaps<S>,
         surfaces: Search,
         volume: Search,
@@ -40,7 +44,8 @@ impl<S: Spectrum> Pass<S> {
         let discs = |(medium, photons): (MediumId, Photons<S>)| {
             PhotonDiscs::build(medium, &photons, &radii(volume, &photons), blur)
         };
-        let traced: usize = maps.volume.iter().map(|(_, photons)| photons.len()).sum();
+        let [traced, on_surfaces] = maps.photons();
+        emission.allow(PEAK * traced + size_of::<Photon<S>>() * on_surfaces)?;
         let media = maps.volume.into_par_iter().map(discs);
         let media = media.collect::<Result<Vec<_>, _>>()?;
         let kept: usize = media.iter().map(PhotonDiscs::len).sum();
@@ -104,7 +109,7 @@ impl<S: Spectrum> Pass<S> {
 fn radii<S: Spectrum>(search: Search, photons: &Photons<S>) -> Vec<f32> {
     let Aim { count, limit, part } = match search {
         Search::Within(radius) => return vec![radius; photons.len()],
-        Search::Nearest(neighbours) => neighbours.aim(photons.len().saturating_sub(1)),
+        Search::Nearest(neighbours) => neighbours.pilot(photons.len().saturating_sub(1)),
     };
     let mut radii = photons.nearest_radii(count, limit);
     radii.par_iter_mut().for_each(|radius| *radius *= part);

@@ -27,8 +27,8 @@
 //! direct light [`LightDirect`](tyndall_core::LightDirect).
 //!
 //! # Cost
-//! Linear in light paths. A photon of three channels takes 29.5 bytes; 44 in the list of those
-//! found, which [`Emission::max_bytes`] bounds; and 40 on top of both while its map is built.
+//! Linear in light paths. A photon of three channels takes 29.5 bytes; 80
+//! to 124 while those found are sorted and maps are built, which [`Emission::max_bytes`] bounds.
 //!
 //! # References
 //! - Henrik Wann Jensen (1996), "Global Illumination Using Photon Maps": the maps, final gathering.

@@ -14,8 +14,8 @@ use tyndall_walk::{DirectLight, LightPaths, Route, Site, Vertex};
 pub struct Emission {
     /// Light paths emitted in a pass, at least 1.
     pub paths: u64,
-    /// Bytes that photons may take while they are traced, 44 each in three channels. What is kept
-    /// of them is less, and is made map by map beside them.
+    /// Bytes that photons may take at any time of a pass. Tracing and sorting them takes most: 80
+    /// to 124 each in three channels.
     pub max_bytes: u64,
 }
 
@@ -33,6 +33,19 @@ impl Emission {
     /// The number of the first path of a pass among all that were ever traced.
     pub fn first_path(&self, pass: u64) -> u64 {
         pass.saturating_mul(self.paths)
+    }
+
+    /// Refuses a pass whose photons need so many bytes, if they may not take as many.
+    ///
+    /// # Errors
+    /// [`PassError::Memory`].
+    pub fn allow(&self, needed: usize) -> Result<(), PassError> {
+        let (needed, allowed) = (needed as u64, self.max_bytes);
+        if needed <= allowed {
+            Ok(())
+        } else {
+            Err(PassError::Memory { needed, allowed })
+        }
     }
 
     /// What a method tells of these options, see
@@ -95,7 +108,7 @@ impl<S: Spectrum> PhotonMaps<S> {
     /// that as dear to know as the picture itself.
     ///
     /// # Errors
-    /// See [`LightPaths::collect`]; [`PassError::Unsupported`] for no paths, and for more photons
+    /// See [`LightPaths::collect`]; [`PassError::Memory`]; [`PassError::Unsupported`] for no paths, and for more photons
     /// than a map can number.
     pub fn trace<H, D, R>(
         host: &H,
@@ -118,7 +131,16 @@ impl<S: Spectrum> PhotonMaps<S> {
                 }
             });
         })?;
-        let mut lists: BTreeMap<Map, Vec<Photon<S>>> = BTreeMap::new();
+        let mut counts: BTreeMap<Map, usize> = BTreeMap::new();
+        for (map, photon) in found.iter().flatten() {
+            *counts.entry(*map).or_default() += usize::from(photon.is_storable());
+        }
+        let batches: usize = found.iter().map(Vec::capacity).sum();
+        let photons: usize = counts.values().sum();
+        emission
+            .allow(batches * size_of::<(Map, Photon<S>)>() + photons * size_of::<Photon<S>>())?;
+        let list = |(map, count)| (map, Vec::with_capacity(count));
+        let mut lists: BTreeMap<Map, Vec<Photon<S>>> = counts.into_iter().map(list).collect();
         let mut maps = Self {
             caustic: Photons::default(),
             diffuse: Photons::default(),

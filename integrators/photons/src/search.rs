@@ -9,6 +9,9 @@ use tyndall_kd_tree::{Nearest, Photons};
 /// chance.
 const FEWEST: usize = 16;
 
+/// Photons looked for at most, where the radius is all that is wanted.
+const MOST: f64 = 64.0;
+
 /// The photons around a point that an estimate takes, and with them the radius of its kernel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Search {
@@ -45,8 +48,7 @@ pub struct Aim {
     pub count: usize,
     /// But no farther away than this.
     pub limit: f32,
-    /// Of its distance, or of the limit if there are fewer within it, what is taken for the radius;
-    /// at most 1.
+    /// Of its distance, or of the limit if there are fewer within it, what is taken for the radius.
     pub part: f32,
 }
 
@@ -68,7 +70,30 @@ impl Neighbours {
     /// assert_eq!((aim.count, aim.limit, aim.part), (16, 2.0, 0.5));
     /// ```
     pub fn aim(self, among: usize) -> Aim {
-        let count = self.photons.max(among.min(FEWEST) as f64).ceil().max(2.0);
+        self.with(self.photons.max(among.min(FEWEST) as f64).ceil().max(2.0))
+    }
+
+    /// What to look for among so many photons for the radius alone: as [`Neighbours::aim`], but of
+    /// no more than 64, whose distance tells it to a few per cent, so that the work for all photons
+    /// of a map stays linear in them.
+    ///
+    /// ```
+    /// use tyndall_density::Dimension;
+    /// use tyndall_photons::Neighbours;
+    /// let neighbours = Neighbours {
+    ///     photons: 512.0,
+    ///     dimension: Dimension::Three,
+    ///     max_radius: 1.0,
+    /// };
+    /// let pilot = neighbours.pilot(10_000);
+    /// assert_eq!((pilot.count, pilot.limit, pilot.part), (64, 0.5, 2.0));
+    /// ```
+    pub fn pilot(self, among: usize) -> Aim {
+        self.with((self.aim(among).count as f64).min(MOST))
+    }
+
+    /// The radius by so many photons.
+    fn with(self, count: f64) -> Aim {
         let dimension = f64::from(self.dimension.number());
         let part = (self.photons / count).powf(dimension.recip()) as f32;
         Aim {

@@ -60,10 +60,10 @@
 //! is out of range is an error of the first pass that meets it.
 //!
 //! # Cost
-//! Memory: the photons of one pass, 29.5 bytes each in three channels; the list that maps are built
-//! of, 44 bytes a photon, is bounded by [`max_bytes`](ProgressivePhotonMap::max_bytes); and a
-//! [`Pixel`], 32 bytes. Time: linear in light paths, and a search a vertex of sight, ∝ the
-//! logarithm of the photons; the memoryless way looks for the nearest photons in every pass,
+//! Memory: the photons of one pass, 29.5 bytes each in three channels, and more while they are
+//! traced, bounded by [`max_bytes`](ProgressivePhotonMap::max_bytes); and a [`Pixel`], 32 bytes.
+//! Time: linear in light paths, and a search a vertex of sight, ∝ the photons that the radius holds
+//! and the logarithm of all; the memoryless way looks for the nearest photons in every pass,
 //! statistics in the first alone.
 //!
 //! # References
@@ -153,8 +153,8 @@ impl<D> ProgressivePhotonMap<D> {
         self
     }
 
-    /// Bytes that the photons of a pass may take; a pass that needs more ends in
-    /// [`PassError::Memory`].
+    /// Bytes that photons may take at any time of a pass, 80 to 124 each in three channels; a pass
+    /// that needs more ends in [`PassError::Memory`].
     #[must_use]
     pub fn max_bytes(mut self, bytes: u64) -> Self {
         self.emission.max_bytes = bytes;
