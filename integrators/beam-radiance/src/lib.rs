@@ -77,6 +77,8 @@ pub use depth::DepthTable;
 pub use flights::Flights;
 pub use options::{Blur, Transmittance};
 pub use pass::Pass;
+pub use tyndall_density::Kernel;
+pub use tyndall_walk::{ByPhotons, BySampling};
 
 use gather::BeamGather;
 use sight::Beams;
@@ -85,9 +87,9 @@ use tyndall_core::{
     Figure, Geometry, Integrator, LightEmission, Media, PassContext, PassError, Sampler, SensorRay,
     Shading, StateError, Streams,
 };
-use tyndall_density::{Dimension, Kernel};
+use tyndall_density::Dimension;
 use tyndall_photons::{Emission, Gather, PhotonMaps, Progress, Reach, Start, radiance};
-use tyndall_walk::{ByPhotons, BySampling, DirectLight};
+use tyndall_walk::DirectLight;
 
 /// The beam radiance estimate. `D` says who finds light that nothing has scattered before.
 #[derive(Clone, Copy, Debug)]

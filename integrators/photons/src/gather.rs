@@ -50,8 +50,9 @@ impl Gather {
     }
 
     /// Radiance that a surface scatters back of the photons on it:
-    /// Σ f(wo, wi) |wi·nₛ|/|wi·n| Φ K₂ (Jensen 1996, eq. 4, with a kernel), over those in a flat disc around the
-    /// point; of those that arrive from [sharp](SurfacePoint::is_sharp) directions only if `sharp`.
+    /// Σ f(wo, wi) |wi·nₛ|/|wi·n| Φ K₂ (Jensen 1996, eq. 4, with a kernel), over those in a flat disc
+    /// around the point; of those that arrive from [sharp](SurfacePoint::is_sharp) directions only if
+    /// `sharp`.
     pub fn surface<H: Geometry + Shading>(
         &mut self,
         photons: &Photons<H::Spectrum>,
@@ -82,7 +83,7 @@ impl Gather {
     }
 
     /// Radiance per scene unit that a medium scatters along `wo` of its `photons`: Σ p(wo, wi) αΦ K₃
-    /// (Jensen & Christensen 1998, eq. 10 …), over those in a ball around the point.
+    /// (Jensen & Christensen 1998, the volume radiance estimate, with a kernel), over those in a ball around the point.
     pub fn medium<M: Medium>(
         &mut self,
         photons: &Photons<M::Spectrum>,

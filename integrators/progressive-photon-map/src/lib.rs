@@ -82,6 +82,8 @@ mod points;
 mod reach;
 
 pub use memory::{Pass, Pixel};
+pub use tyndall_density::{Kernel, Statistics};
+pub use tyndall_walk::{ByPhotons, BySampling};
 
 use memory::Place;
 use points::Points;
@@ -91,9 +93,9 @@ use tyndall_core::{
     Aabb, Figure, Geometry, Integrator, LightEmission, Media, PassContext, PassError, Sampler,
     SensorRay, Shading, StateError, Streams,
 };
-use tyndall_density::{Dimension, Kernel};
+use tyndall_density::Dimension;
 use tyndall_photons::{Emission, PhotonMaps, Progress, Start, radiance};
-use tyndall_walk::{ByPhotons, BySampling, DirectLight};
+use tyndall_walk::DirectLight;
 
 /// What makes radii shrink.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
