@@ -59,6 +59,13 @@ pub trait PhaseFunction {
     /// Mean of the cosine between the directions of travel before and after, in \[−1, 1\];
     /// positive is forward.
     fn mean_cosine(&self) -> f32;
+
+    /// Whether the value is known to be 1/(4π) in all directions, so that it need not be asked for
+    /// each.
+    #[inline]
+    fn is_isotropic(&self) -> bool {
+        false
+    }
 }
 
 impl<P: PhaseFunction> PhaseFunction for &P {
@@ -76,6 +83,10 @@ impl<P: PhaseFunction> PhaseFunction for &P {
     }
     fn mean_cosine(&self) -> f32 {
         (**self).mean_cosine()
+    }
+    #[inline]
+    fn is_isotropic(&self) -> bool {
+        (**self).is_isotropic()
     }
 }
 

@@ -104,6 +104,11 @@ impl PhaseFunction for Phase {
             Self::Blend(phase) => phase.mean_cosine(),
         }
     }
+
+    #[inline]
+    fn is_isotropic(&self) -> bool {
+        matches!(self, Self::Isotropic)
+    }
 }
 
 /// A direction sampled with the density of the phase function itself.

@@ -111,6 +111,7 @@ struct Point {
 }
 
 impl Point {
+    #[inline]
     fn new(surface: Surface) -> Self {
         let frame = Frame::around(surface.shading_normal);
         Self { surface, frame }
@@ -118,6 +119,7 @@ impl Point {
 
     /// `w` in the frame; `None` if the two normals disagree about its side, where light would leak
     /// through: such directions carry nothing.
+    #[inline]
     fn to_local(&self, w: Vec3) -> Option<Vec3> {
         let local = self.frame.to_local(w);
         (local.z * w.dot(self.surface.geometric_normal) > 0.0).then_some(local)
@@ -125,6 +127,7 @@ impl Point {
 
     /// What makes a function symmetric that is meant for the cosine to the geometric normal, where
     /// the integrator multiplies by that to the shading normal (Veach 1997, eq. 5.19).
+    #[inline]
     fn correction(&self, wo: Vec3, wi: Vec3, from: PathFrom) -> f32 {
         let Surface {
             geometric_normal: ng,

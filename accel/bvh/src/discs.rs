@@ -1,10 +1,11 @@
 //! Photon discs that face the ray, and the spheres around them.
 
-use crate::{BrokenTree, BuildError, Bvh, LANES, LEAF, LIMIT, Quality, is_within};
+use crate::{BrokenTree, BuildError, Bvh, LANES, LEAF, LIMIT, Met, Quality, Query, is_within};
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x8};
 use glam::Vec3;
 use rayon::prelude::*;
 use tyndall_core::{Aabb, Ray};
-use wide::f32x8;
 
 /// Discs of given centres and radii which turn to face every ray that meets them.
 #[derive(Clone, Debug)]
@@ -20,8 +21,8 @@ pub struct Discs {
 #[derive(Clone, Debug)]
 #[repr(align(128))]
 struct Block {
-    center: [f32x8; 3],
-    radius: f32x8,
+    center: [[f32; LANES]; 3],
+    radius: [f32; LANES],
 }
 
 impl Discs {
@@ -76,18 +77,16 @@ impl Discs {
     /// in `[0, t_max]`; d² < r² is its squared distance from the centre there.
     #[inline]
     pub fn along(&self, ray: &Ray, mut visit: impl FnMut(usize, f32, f32)) {
-        let origin = ray.origin.to_array().map(f32x8::splat);
-        let direction = ray.direction.to_array().map(f32x8::splat);
-        let t_max = f32x8::splat(ray.t_max);
-        let screen = |leaf: usize| self.leaves[leaf].touched(&origin, &direction, t_max);
-        let test = |block: &Block| {
-            let (t, d2) = block.closest(&origin, &direction);
-            let within = t.simd_ge(f32x8::splat(0.0)) & t.simd_le(t_max);
-            let met = d2.simd_lt(block.radius * block.radius) & within;
-            (met.to_bitmask(), [t, d2])
-        };
-        let visit = |slot, [t, d2]: [f32; 2]| visit(slot, t, d2);
-        self.bvh.meet(ray, &self.blocks, screen, test, visit);
+        self.blocks_along(ray, |met| {
+            met.each().for_each(|(slot, [t, d2])| visit(slot, t, d2));
+        });
+    }
+
+    /// As [`Discs::along`], by blocks of eight: [`Met::values`] are `t` and d², 0 and infinite for
+    /// those that are not met.
+    #[inline]
+    pub fn blocks_along(&self, ray: &Ray, visit: impl FnMut(Met<2>)) {
+        self.bvh.meet(ray, &Facing { discs: self, ray }, visit);
     }
 
     /// Calls `visit(slot, t, d²)` once for every sphere that the ray is inside of for some part of
@@ -98,20 +97,16 @@ impl Discs {
     /// in that range; the difference of its ends would lose spheres small against `t`.
     #[inline]
     pub fn chords(&self, ray: &Ray, mut visit: impl FnMut(usize, f32, f32)) {
-        let origin = ray.origin.to_array().map(f32x8::splat);
-        let direction = ray.direction.to_array().map(f32x8::splat);
-        let t_max = f32x8::splat(ray.t_max);
-        let screen = |leaf: usize| self.leaves[leaf].touched(&origin, &direction, t_max);
-        let test = |block: &Block| {
-            let (t, d2) = block.closest(&origin, &direction);
-            let r2 = block.radius * block.radius;
-            let half = (r2 - d2).sqrt(); // NaN outside
-            let length = half.fast_min(t) + half.fast_min(t_max - t);
-            let met = d2.simd_lt(r2) & length.simd_gt(f32x8::splat(0.0));
-            (met.to_bitmask(), [t, d2])
-        };
-        let visit = |slot, [t, d2]: [f32; 2]| visit(slot, t, d2);
-        self.bvh.meet(ray, &self.blocks, screen, test, visit);
+        self.blocks_chords(ray, |met| {
+            met.each().for_each(|(slot, [t, d2])| visit(slot, t, d2));
+        });
+    }
+
+    /// As [`Discs::chords`], by blocks of eight: [`Met::values`] are `t` and d², whatever they may
+    /// be for those that are not met.
+    #[inline]
+    pub fn blocks_chords(&self, ray: &Ray, visit: impl FnMut(Met<2>)) {
+        self.bvh.meet(ray, &Inside { discs: self, ray }, visit);
     }
 
     /// The centre of the disc in a slot.
@@ -193,45 +188,97 @@ const ROUNDING: f32 = 1e-6;
 impl Block {
     fn new(spheres: impl Iterator<Item = (Vec3, f32)>, missing: f32) -> Self {
         let mut block = Self {
-            center: [f32x8::ZERO; 3],
-            radius: f32x8::splat(missing),
+            center: [[0.0; LANES]; 3],
+            radius: [missing; LANES],
         };
         for (lane, (center, radius)) in spheres.enumerate() {
             for (lanes, x) in block.center.iter_mut().zip(center.to_array()) {
-                lanes.as_mut_array()[lane] = x;
+                lanes[lane] = x;
             }
-            block.radius.as_mut_array()[lane] = radius;
+            block.radius[lane] = radius;
         }
         block
     }
 
     fn get(&self, lane: usize) -> (Vec3, f32) {
-        let of_lane = |values: f32x8| values.as_array()[lane];
-        (
-            Vec3::from_array(self.center.map(of_lane)),
-            of_lane(self.radius),
-        )
+        let center = self.center.map(|values| values[lane]);
+        (Vec3::from_array(center), self.radius[lane])
     }
 
     /// Where the line passes the centres, and the squared distance there. From the difference and
     /// its part across the ray: |w|² − (w·d)² would cancel.
-    #[inline]
-    fn closest(&self, origin: &[f32x8; 3], direction: &[f32x8; 3]) -> (f32x8, f32x8) {
-        let [x, y, z] = [0, 1, 2].map(|axis| self.center[axis] - origin[axis]);
-        let [dx, dy, dz] = *direction;
+    #[inline(always)]
+    fn closest<S: Simd>(&self, simd: S, ray: &Ray) -> (f32x8<S>, f32x8<S>) {
+        let [x, y, z] = &self.center;
+        let x = f32x8::from_slice(simd, x) - ray.origin.x;
+        let y = f32x8::from_slice(simd, y) - ray.origin.y;
+        let z = f32x8::from_slice(simd, z) - ray.origin.z;
+        let [dx, dy, dz] = ray.direction.to_array();
         let t = x * dx + y * dy + z * dz;
         let [x, y, z] = [x - t * dx, y - t * dy, z - t * dz];
         (t, x * x + y * y + z * z)
     }
 
     /// A bit for each sphere that the ray touches; none for a radius of −∞.
-    #[inline]
-    fn touched(&self, origin: &[f32x8; 3], direction: &[f32x8; 3], t_max: f32x8) -> u32 {
-        let (t, d2) = self.closest(origin, direction);
-        let reach = self.radius + t.abs() * f32x8::splat(ROUNDING);
-        let met = d2.simd_lt(reach * reach)
-            & (t + reach).simd_ge(f32x8::splat(0.0))
-            & (t - reach).simd_le(t_max);
-        met.to_bitmask()
+    #[inline(always)]
+    fn touched<S: Simd>(&self, simd: S, ray: &Ray) -> u32 {
+        let (t, d2) = self.closest(simd, ray);
+        let reach = f32x8::from_slice(simd, &self.radius) + t.abs() * ROUNDING;
+        let met =
+            d2.simd_lt(reach * reach) & (t + reach).simd_ge(0.0) & (t - reach).simd_le(ray.t_max);
+        met.to_bitmask() as u32
+    }
+}
+
+/// Which discs does the ray pass through?
+struct Facing<'a> {
+    discs: &'a Discs,
+    ray: &'a Ray,
+}
+
+impl Query<2> for Facing<'_> {
+    #[inline(always)]
+    fn screen<S: Simd>(&self, simd: S, leaf: usize) -> u32 {
+        self.discs.leaves[leaf].touched(simd, self.ray)
+    }
+
+    #[inline(always)]
+    fn test<S: Simd>(&self, simd: S, block: usize) -> (u32, [f32x8<S>; 2]) {
+        let block = &self.discs.blocks[block];
+        let (t, d2) = block.closest(simd, self.ray);
+        let radius = f32x8::from_slice(simd, &block.radius);
+        let within = t.simd_ge(0.0) & t.simd_le(self.ray.t_max);
+        let met = d2.simd_lt(radius * radius) & within;
+        let missed = f32x8::splat(simd, f32::INFINITY);
+        let [t, d2] = [
+            met.select(t, f32x8::splat(simd, 0.0)),
+            met.select(d2, missed),
+        ];
+        (met.to_bitmask() as u32, [t, d2])
+    }
+}
+
+/// Which spheres is the ray inside of?
+struct Inside<'a> {
+    discs: &'a Discs,
+    ray: &'a Ray,
+}
+
+impl Query<2> for Inside<'_> {
+    #[inline(always)]
+    fn screen<S: Simd>(&self, simd: S, leaf: usize) -> u32 {
+        self.discs.leaves[leaf].touched(simd, self.ray)
+    }
+
+    #[inline(always)]
+    fn test<S: Simd>(&self, simd: S, block: usize) -> (u32, [f32x8<S>; 2]) {
+        let block = &self.discs.blocks[block];
+        let (t, d2) = block.closest(simd, self.ray);
+        let radius = f32x8::from_slice(simd, &block.radius);
+        let r2 = radius * radius;
+        let half = (r2 - d2).sqrt(); // NaN outside
+        let length = half.min(t) + half.min(self.ray.t_max - t);
+        let met = d2.simd_lt(r2) & length.simd_gt(0.0);
+        (met.to_bitmask() as u32, [t, d2])
     }
 }

@@ -1,119 +1,118 @@
 //! From leaves to primitives: what a ray meets in blocks of eight.
 
-use crate::{Bvh, LANES, LEAF};
+use crate::{Bvh, LANES};
+use fearless_simd::{Level, Simd, dispatch, f32x8};
 use tyndall_core::Ray;
-use wide::f32x8;
 
-/// Blocks tested together. Their loads overlap, and what they yield is visited in one loop whose
-/// length branch prediction need not guess block by block.
+/// Blocks tested together, so that their loads overlap.
 const BATCH: usize = 32;
 
-impl Bvh {
-    /// Calls `visit(slot, values)` once for every primitive that the ray meets.
-    ///
-    /// `blocks[i]` holds the primitives of slots `8i` to `8i + 7`, in the order that
-    /// [`Bvh::build`] gave. Of the leaf of slots `64i` to `64i + 63`, `screen(i)` gives a bit for
-    /// each block that the ray may meet, block `8i` the lowest; `test` gives a bit for each
-    /// primitive of a block that it does meet, and the values of the eight. Higher bits than the
-    /// lowest eight are ignored.
-    ///
-    /// The last block may be padded: `test` must give no bit for what is in no slot, or `visit` is
-    /// called with slots from [`Bvh::len`] on. The last leaf may have fewer than eight blocks:
-    /// `screen` must give no bit for those absent.
-    ///
-    /// # Panics
-    /// `screen` gave a bit for a block that is not in `blocks`.
+/// What a ray asks the primitives in the slots of a [`Bvh`]. Block i holds those of slots `8i` to
+/// `8i + 7`, leaf i blocks `8i` to `8i + 7`.
+///
+/// Both are called by the thousand, in code for the instructions that the machine has: make them
+/// `#[inline(always)]`.
+pub trait Query<const K: usize> {
+    /// A bit for each block of a leaf that the ray may meet, the first the lowest. The last leaf
+    /// may have fewer than eight blocks: there must be no bit for those absent.
+    fn screen<S: Simd>(&self, simd: S, leaf: usize) -> u32;
+
+    /// A bit for each primitive of a block that the ray does meet, and values of the eight. The
+    /// last block may be padded: there must be no bit for what is in no slot.
+    fn test<S: Simd>(&self, simd: S, block: usize) -> (u32, [f32x8<S>; K]);
+}
+
+/// What a ray meets in a block.
+#[derive(Clone, Copy, Debug)]
+pub struct Met<const K: usize> {
+    /// The block: it holds slots `8 · block` to `8 · block + 7`.
+    pub block: usize,
+    /// A bit for each that is met, the first the lowest.
+    pub lanes: u32,
+    /// Values of all eight.
+    pub values: [[f32; LANES]; K],
+}
+
+impl<const K: usize> Met<K> {
+    /// Slot and values of each that is met.
     #[inline]
-    pub fn meet<B, const K: usize>(
+    pub fn each(&self) -> impl Iterator<Item = (usize, [f32; K])> {
+        let mut lanes = self.lanes;
+        std::iter::from_fn(move || {
+            let lane = lanes.trailing_zeros() as usize;
+            lanes &= lanes.wrapping_sub(1);
+            (lane < LANES).then(|| (self.block * LANES + lane, self.values.map(|v| v[lane])))
+        })
+    }
+}
+
+impl Bvh {
+    /// Calls `visit` once for every block with primitives that the ray meets.
+    #[inline]
+    pub fn meet<const K: usize>(
         &self,
         ray: &Ray,
-        blocks: &[B],
-        screen: impl Fn(usize) -> u32,
-        test: impl Fn(&B) -> (u32, [f32x8; K]),
-        mut visit: impl FnMut(usize, [f32; K]),
+        query: &impl Query<K>,
+        mut visit: impl FnMut(Met<K>),
     ) {
-        let mut batch = Batch::new();
-        self.traverse(ray, |slots| {
-            let leaf = slots.start / LEAF;
-            batch.push(leaf, screen(leaf));
-            if batch.waits > BATCH - LANES {
-                batch.run(blocks, &test, &mut visit);
-            }
-        });
-        batch.run(blocks, &test, &mut visit);
-    }
-}
-
-struct Batch<const K: usize> {
-    /// First blocks of the leaves met, and how many.
-    leaves: [u32; BATCH],
-    open: usize,
-    /// Leaf and lane, of eight blocks each, of the blocks to test, and how many.
-    waiting: [u8; BATCH],
-    waits: usize,
-    /// Blocks tested and what they gave.
-    blocks: [u32; BATCH],
-    values: [[f32; BATCH * LANES]; K],
-    /// Block and lane, of eight values each, of the primitives met.
-    met: [u8; BATCH * LANES],
-}
-
-impl<const K: usize> Batch<K> {
-    fn new() -> Self {
-        Self {
-            leaves: [0; BATCH],
-            open: 0,
-            waiting: [0; BATCH],
-            waits: 0,
-            blocks: [0; BATCH],
-            values: [[0.0; BATCH * LANES]; K],
-            met: [0; BATCH * LANES],
-        }
+        dispatch!(Level::new(), simd => self.meet_with(simd, ray, query, &mut visit));
     }
 
-    /// Adds the blocks of a leaf; there must be room for eight.
-    #[inline]
-    fn push(&mut self, leaf: usize, mask: u32) {
-        let (lanes, count) = PACKED[mask as usize % PACKED.len()];
-        self.leaves[self.open] = (leaf * LANES) as u32;
-        self.waiting[self.waits..][..LANES]
-            .copy_from_slice(&(lanes + self.open as u64 * ROW).to_le_bytes());
-        self.open += usize::from(count > 0);
-        self.waits += count;
-    }
-
-    /// Tests what waits and visits what is met.
-    #[inline(always)] // or what `visit` sums would go through memory at every call
-    fn run<B>(
-        &mut self,
-        blocks: &[B],
-        test: &impl Fn(&B) -> (u32, [f32x8; K]),
-        visit: &mut impl FnMut(usize, [f32; K]),
+    #[inline(always)]
+    fn meet_with<S: Simd, const K: usize>(
+        &self,
+        simd: S,
+        ray: &Ray,
+        query: &impl Query<K>,
+        visit: &mut impl FnMut(Met<K>),
     ) {
-        let mut met = 0;
-        let waiting = self.waiting.iter().zip(&mut self.blocks);
-        for (i, (&waiting, block)) in waiting.take(self.waits).enumerate() {
-            let (leaf, lane) = (waiting as usize / LANES, u32::from(waiting) % LANES as u32);
-            *block = self.leaves[leaf] + lane;
-            let (mask, values) = test(&blocks[*block as usize]);
-            for (all, of_block) in self.values.iter_mut().zip(values) {
-                all[i * LANES..][..LANES].copy_from_slice(of_block.as_array());
-            }
-            let (lanes, count) = PACKED[mask as usize % PACKED.len()];
-            self.met[met..][..LANES].copy_from_slice(&(lanes + i as u64 * ROW).to_le_bytes());
-            met += count;
-        }
-        (self.open, self.waits) = (0, 0);
-        for &met in &self.met[..met] {
-            let met = met as usize;
-            let slot = self.blocks[met / LANES] as usize * LANES + met % LANES;
-            visit(slot, std::array::from_fn(|k| self.values[k][met]));
-        }
+        let mut waiting = [0; BATCH];
+        let mut waits = 0;
+        self.leaves(
+            simd,
+            ray,
+            #[inline(always)]
+            |leaf| {
+                let mask = query.screen(simd, leaf as usize);
+                let (lanes, count) = PACKED[mask as usize % PACKED.len()];
+                let first = leaf * LANES as u32;
+                let blocks = lanes.to_le_bytes().map(|lane| first + u32::from(lane));
+                waiting[waits..][..LANES].copy_from_slice(&blocks);
+                waits += count;
+                if waits > BATCH - LANES {
+                    test(simd, query, &waiting[..waits], visit);
+                    waits = 0;
+                }
+            },
+        );
+        test(simd, query, &waiting[..waits], visit);
     }
 }
 
-/// Eight times one, in every byte.
-const ROW: u64 = u64::from_le_bytes([LANES as u8; 8]);
+/// Tests blocks and visits what is met.
+#[inline(always)]
+fn test<S: Simd, const K: usize>(
+    simd: S,
+    query: &impl Query<K>,
+    blocks: &[u32],
+    visit: &mut impl FnMut(Met<K>),
+) {
+    for &block in blocks {
+        let block = block as usize;
+        let (lanes, found) = query.test(simd, block);
+        if lanes != 0 {
+            let mut values = [[0.0; LANES]; K];
+            for (values, found) in values.iter_mut().zip(&found) {
+                *values = **found;
+            }
+            visit(Met {
+                block,
+                lanes,
+                values,
+            });
+        }
+    }
+}
 
 /// For every set of lanes: their numbers, a byte each from the lowest, and how many there are.
 const PACKED: [(u64, usize); 256] = {

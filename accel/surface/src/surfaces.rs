@@ -188,6 +188,7 @@ impl Surfaces {
 
     /// Position and normals of a hit. The shading normal is interpolated over a mesh that has
     /// normals, placed as the geometric one is ([`Shape::Instance`]), and turned to its side.
+    #[inline]
     pub fn surface(&self, hit: &ShapeHit) -> Surface {
         let ShapeHit {
             position,

@@ -4,9 +4,9 @@ use crate::Blur;
 use glam::Vec3;
 use rayon::prelude::*;
 use std::f32::consts::PI;
-use tyndall_bvh::{Discs, Quality};
+use tyndall_bvh::{Discs, LANES, Quality, Values};
 use tyndall_core::{MediumId, PassError, Ray, Spectrum};
-use tyndall_density::{Chord, RADII};
+use tyndall_density::{Chord, Kernel, RADII};
 use tyndall_kd_tree::Photons;
 
 use crate::options::unsupported;
@@ -17,31 +17,66 @@ pub(crate) struct PhotonDiscs<S> {
     pub(crate) medium: MediumId,
     blur: Blur,
     discs: Discs,
-    /// In the order of the slots.
-    photons: Vec<Payload<S>>,
-}
-
-/// What a photon brings along.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Payload<S> {
+    /// 1/r², by slot as all that follows.
+    inverse_squared: Vec<[f32; LANES]>,
+    /// What is scattered of the flux, over r² (disc) or over the volume (ball).
+    flux: Values<S>,
     /// Of travel.
-    pub(crate) direction: Vec3,
-    /// 1/r².
-    pub(crate) inverse_squared: f32,
-    /// What is scattered of its flux, over r² (disc) or over the volume (ball).
-    pub(crate) flux: S,
+    directions: Vec<Vec3>,
 }
 
-/// A photon on a ray.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Hit {
-    pub(crate) slot: u32,
+/// The photons on a ray, in blocks of eight slots of which it meets one at least. What belongs to
+/// the others of a block is 0.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Hits {
+    pub(crate) blocks: Vec<u32>,
+    /// A bit for each photon that is met.
+    pub(crate) lanes: Vec<u8>,
     /// Where the ray passes the centre of a disc, or enters a ball.
-    pub(crate) t: f32,
-    /// How much of a ball the ray runs through.
-    pub(crate) length: f32,
-    /// Squared distance from the centre.
-    pub(crate) distance_squared: f32,
+    pub(crate) t: Vec<[f32; LANES]>,
+    /// How much of a ball the ray runs through; nothing at all for discs.
+    pub(crate) length: Vec<[f32; LANES]>,
+    /// The kernel, over what the flux has of it.
+    pub(crate) weight: Vec<[f32; LANES]>,
+}
+
+/// Room for the blocks of a ray, at first.
+const ROOM: usize = 256;
+
+impl Hits {
+    fn clear(&mut self) {
+        self.blocks.reserve(ROOM);
+        self.lanes.reserve(ROOM);
+        self.t.reserve(ROOM);
+        self.weight.reserve(ROOM);
+        self.blocks.clear();
+        self.lanes.clear();
+        self.t.clear();
+        self.length.clear();
+        self.weight.clear();
+    }
+
+    /// Where the ray leaves the last photon.
+    pub(crate) fn end(&self) -> f32 {
+        let starts = self.t.as_flattened().iter();
+        let end = starts.fold(0.0, |end: f32, &t| end.max(t));
+        let pairs = self.t.as_flattened().iter().zip(self.length.as_flattened());
+        pairs.fold(end, |end, (t, length)| end.max(t + length))
+    }
+}
+
+/// Block, counted from the first, and lane of every bit set.
+#[inline]
+pub(crate) fn each(lanes: &[u8]) -> impl Iterator<Item = (usize, usize)> {
+    let of_block = |(block, &lanes): (usize, &u8)| {
+        let mut rest = lanes;
+        std::iter::from_fn(move || {
+            let lane = rest.trailing_zeros() as usize;
+            rest &= rest.wrapping_sub(1);
+            (lane < LANES).then_some((block, lane))
+        })
+    };
+    lanes.iter().enumerate().flat_map(of_block)
 }
 
 impl<S: Spectrum> PhotonDiscs<S> {
@@ -60,31 +95,50 @@ impl<S: Spectrum> PhotonDiscs<S> {
         let radius = |&slot: &u32| radii[slot as usize];
         let of_slots: Vec<f32> = slots.par_iter().map(radius).collect();
         let discs = Discs::build(&centers, &of_slots, Quality::Fast).map_err(unsupported)?;
-        let payload = |&index: &u32| {
+        let order = discs.order().iter();
+        let photon = |&index: &u32| {
             let slot = slots[index as usize] as usize;
-            let inverse = 1.0 / radii[slot];
+            (slot, 1.0 / radii[slot])
+        };
+        let flux = |index| {
+            let (slot, inverse) = photon(index);
             let density = match blur {
                 Blur::Disc => inverse * inverse,
                 Blur::Ball => inverse * inverse * inverse * (0.75 / PI),
             };
-            Payload {
-                direction: photons.direction(slot),
-                inverse_squared: inverse * inverse,
-                flux: photons.flux(slot) * density,
-            }
+            photons.flux(slot) * density
         };
-        let photons = discs.order().par_iter().map(payload).collect();
+        let inverse_squared = |block: &[u32]| {
+            let mut lanes = [0.0; LANES];
+            for (lane, index) in lanes.iter_mut().zip(block) {
+                *lane = photon(index).1.powi(2);
+            }
+            lanes
+        };
         Ok(Self {
             medium,
             blur,
+            inverse_squared: discs
+                .order()
+                .par_chunks(LANES)
+                .map(inverse_squared)
+                .collect(),
+            flux: Values::new(order.clone().map(flux)),
+            directions: order.map(|i| photons.direction(photon(i).0)).collect(),
             discs,
-            photons,
         })
     }
 
+    /// Of travel, of a photon on a ray.
     #[inline]
-    pub(crate) fn photon(&self, slot: u32) -> &Payload<S> {
-        &self.photons[slot as usize]
+    pub(crate) fn direction(&self, block: u32, lane: usize) -> Vec3 {
+        self.directions[block as usize * LANES + lane]
+    }
+
+    /// Sum of the flux of photons on a ray, each times its weight.
+    #[inline]
+    pub(crate) fn flux(&self, channel: usize, hits: &Hits, weights: &[[f32; LANES]]) -> f32 {
+        self.flux.sum(channel, &hits.blocks, weights)
     }
 
     pub(crate) fn blur(&self) -> Blur {
@@ -92,34 +146,48 @@ impl<S: Spectrum> PhotonDiscs<S> {
     }
 
     pub(crate) fn len(&self) -> usize {
-        self.photons.len()
+        self.discs.len()
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        self.discs.bytes() + size_of_val(self.photons.as_slice())
+        self.discs.bytes()
+            + size_of_val(self.inverse_squared.as_slice())
+            + self.flux.bytes()
+            + size_of_val(self.directions.as_slice())
     }
 
     /// Puts all photons that the ray meets into `hits`, once each.
-    pub(crate) fn along(&self, ray: &Ray, hits: &mut Vec<Hit>) {
+    pub(crate) fn along(&self, ray: &Ray, kernel: Kernel, hits: &mut Hits) {
         hits.clear();
         match self.blur {
-            Blur::Disc => self.discs.along(ray, |slot, t, distance_squared| {
-                hits.push(Hit {
-                    slot: slot as u32,
-                    t,
-                    length: 0.0,
-                    distance_squared,
+            Blur::Disc => {
+                self.discs.blocks_along(ray, |met| {
+                    let [t, mut squared] = met.values;
+                    let inverse_squared = &self.inverse_squared[met.block];
+                    for (squared, inverse) in squared.iter_mut().zip(inverse_squared) {
+                        *squared *= inverse;
+                    }
+                    hits.blocks.push(met.block as u32);
+                    hits.lanes.push(met.lanes as u8);
+                    hits.t.push(t);
+                    hits.weight.push(squared);
                 });
-            }),
-            Blur::Ball => self.discs.chords(ray, |slot, t, distance_squared| {
-                let radius = self.discs.radius(slot);
-                let chord = Chord::new(t, distance_squared, radius, ray.t_max);
-                hits.extend(chord.map(|Chord { start, length }| Hit {
-                    slot: slot as u32,
-                    t: start,
-                    length,
-                    distance_squared,
-                }));
+                kernel.weights_2d(hits.weight.as_flattened_mut());
+            }
+            Blur::Ball => self.discs.blocks_chords(ray, |met| {
+                let (mut starts, mut lengths) = ([0.0; LANES], [0.0; LANES]);
+                for (slot, [t, distance_squared]) in met.each() {
+                    let radius = self.discs.radius(slot);
+                    if let Some(chord) = Chord::new(t, distance_squared, radius, ray.t_max) {
+                        starts[slot % LANES] = chord.start;
+                        lengths[slot % LANES] = chord.length;
+                    }
+                }
+                hits.blocks.push(met.block as u32);
+                hits.lanes.push(met.lanes as u8);
+                hits.t.push(starts);
+                hits.length.push(lengths);
+                hits.weight.push(lengths);
             }),
         }
     }

@@ -1,16 +1,14 @@
 //! What a ray gathers of the photons that it passes.
 
 use crate::depth::{DepthTable, OPAQUE};
-use crate::discs::{Hit, Payload, PhotonDiscs};
+use crate::discs::{Hits, PhotonDiscs, each};
 use crate::flights::Flights;
 use crate::{Blur, Transmittance};
-use tyndall_core::{Medium, Ray, Sampler, Spectrum};
+use glam::Vec3;
+use tyndall_bvh::LANES;
+use tyndall_core::{Medium, PhaseFunction, Ray, Sampler, Spectrum};
 use tyndall_density::{Kernel, exp_negative, in_scattered};
 
-/// Photons that are taken together.
-const BLOCK: usize = 128;
-/// Room for the photons of a ray, at first.
-const ROOM: usize = 1024;
 /// Fraction of the golden ratio: its multiples, modulo 1, are spread evenly.
 const GOLDEN: f32 = 0.618_034;
 
@@ -19,9 +17,9 @@ const GOLDEN: f32 = 0.618_034;
 pub(crate) struct BeamGather<S> {
     kernel: Kernel,
     transmittance: Transmittance,
-    hits: Vec<Hit>,
-    /// Transmittance to the photons of a block, channel by channel.
-    rows: Vec<[f32; BLOCK]>,
+    hits: Hits,
+    /// Transmittance to the photons of a ray, in one row if all channels are the same.
+    rows: Vec<Vec<[f32; LANES]>>,
     table: DepthTable<S>,
     flights: Flights<S>,
     /// Largest error of transmittance met.
@@ -41,7 +39,7 @@ impl<S: Spectrum> BeamGather<S> {
         Self {
             kernel,
             transmittance,
-            hits: Vec::new(),
+            hits: Hits::default(),
             rows: Vec::new(),
             table: DepthTable::default(),
             flights: Flights::default(),
@@ -59,67 +57,82 @@ impl<S: Spectrum> BeamGather<S> {
         importance: S,
         sampler: &mut impl Sampler,
     ) -> S {
-        if self.rows.is_empty() {
-            self.hits.reserve(ROOM);
-            self.rows.resize(S::CHANNELS, [0.0; BLOCK]);
-        }
         let even = medium.homogeneous().map(|c| c.sigma_t());
         let ray = match even {
             Some(sigma_t) => ray.up_to(ray.t_max.min(reach(sigma_t))),
             None => *ray,
         };
-        photons.along(&ray, &mut self.hits);
-        if self.hits.is_empty() {
+        photons.along(&ray, self.kernel, &mut self.hits);
+        if self.hits.blocks.is_empty() {
             return S::default();
         }
         let Self {
-            kernel,
             hits,
             rows,
             table,
             flights,
             ..
         } = self;
-        let wo = -ray.direction;
-        if let Some(sigma_t) = even {
-            let phase = medium.phase(ray.origin);
-            let block = Block {
-                photons,
-                kernel: *kernel,
-                attenuation: Attenuation::Even(sigma_t),
-                shift: 0.0,
-            };
-            return block.sum(hits, rows, |_, photon| {
-                in_scattered(&phase, wo, photon.direction, 1.0)
-            });
-        }
-        let end = hits
-            .iter()
-            .fold(0.0, |end: f32, hit| end.max(hit.t + hit.length));
-        let ray = ray.up_to(end.min(ray.t_max));
-        let attenuation = match self.transmittance {
-            Transmittance::Table { max_error } => {
+        let attenuation = match (even, self.transmittance) {
+            (Some(sigma_t), _) => Attenuation::Even(sigma_t),
+            (None, Transmittance::Table { max_error }) => {
+                let ray = ray.up_to(hits.end().min(ray.t_max));
                 self.error = self.error.max(table.measure(medium, &ray, max_error));
                 Attenuation::Table(table)
             }
-            Transmittance::Tracking { flights: count } => {
+            (None, Transmittance::Tracking { flights: count }) => {
+                let ray = ray.up_to(hits.end().min(ray.t_max));
                 flights.fly(medium, &ray, count, importance, sampler);
                 Attenuation::Flights(flights)
             }
         };
-        let shift = match photons.blur() {
-            Blur::Disc => 0.0,
-            Blur::Ball => sampler.next_1d(),
+        let shift = match (even, photons.blur()) {
+            (None, Blur::Ball) => sampler.next_1d(),
+            _ => 0.0,
         };
-        let block = Block {
-            photons,
-            kernel: *kernel,
-            attenuation,
-            shift,
-        };
-        block.sum(hits, rows, |hit, photon| {
-            in_scattered(&medium.phase(ray.at(hit.t)), wo, photon.direction, 1.0)
-        })
+        attenuation.rows(hits, shift, rows);
+        let scale = scatter(hits, photons, medium, &ray);
+        for row in rows.iter_mut() {
+            let weights = hits.weight.as_flattened();
+            for (value, weight) in row.as_flattened_mut().iter_mut().zip(weights) {
+                *value *= weight;
+            }
+        }
+        let row = |c: usize| rows.get(c).unwrap_or(&rows[0]);
+        S::from_channels(|c| photons.flux(c, hits, row(c))) * scale
+    }
+}
+
+/// Multiplies the weights by the phase function, per steradian; returns what it has for all.
+fn scatter<M: Medium>(
+    hits: &mut Hits,
+    photons: &PhotonDiscs<M::Spectrum>,
+    medium: &M,
+    ray: &Ray,
+) -> f32 {
+    let wo = -ray.direction;
+    if medium.homogeneous().is_none() {
+        weigh(hits, photons, |t, direction| {
+            in_scattered(&medium.phase(ray.at(t)), wo, direction, 1.0)
+        });
+        return 1.0;
+    }
+    let phase = medium.phase(ray.origin);
+    if phase.is_isotropic() {
+        return phase.eval(wo, wo);
+    }
+    weigh(hits, photons, |_, direction| {
+        in_scattered(&phase, wo, direction, 1.0)
+    });
+    1.0
+}
+
+/// Multiplies the weights by a function of distance and direction of travel.
+#[inline]
+fn weigh<S: Spectrum>(hits: &mut Hits, photons: &PhotonDiscs<S>, phase: impl Fn(f32, Vec3) -> f32) {
+    for (block, lane) in each(&hits.lanes) {
+        let direction = photons.direction(hits.blocks[block], lane);
+        hits.weight[block][lane] *= phase(hits.t[block][lane], direction);
     }
 }
 
@@ -128,104 +141,64 @@ fn reach<S: Spectrum>(sigma_t: S) -> f32 {
     OPAQUE / sigma_t.fold(f32::INFINITY, f32::min)
 }
 
-/// How the photons of a block are weighted.
-struct Block<'a, S> {
-    photons: &'a PhotonDiscs<S>,
-    kernel: Kernel,
-    attenuation: Attenuation<'a, S>,
-    /// Where in a ball its transmittance is taken, if there is no closed form: the first of a
-    /// sequence that is spread evenly. The mean over it is the integral.
-    shift: f32,
+impl<S: Spectrum> Attenuation<'_, S> {
+    /// Fills `rows` with the transmittance to each photon, its mean over the chord of a ball: a row
+    /// for each channel, or one if all are the same.
+    ///
+    /// Where there is no closed form, it is that at one place of the chord, by a sequence which is
+    /// spread evenly and starts at `shift`: the mean over it is the integral.
+    fn rows(&self, hits: &Hits, shift: f32, rows: &mut Vec<Vec<[f32; LANES]>>) {
+        let grey = match self {
+            Self::Even(sigma_t) => *sigma_t == S::splat(sigma_t.channel(0)),
+            Self::Table(table) => table.is_grey(),
+            Self::Flights(flights) => flights.is_grey(),
+        };
+        rows.resize_with(if grey { 1 } else { S::CHANNELS }, Vec::new);
+        match self {
+            Self::Even(sigma_t) => {
+                for (c, row) in rows.iter_mut().enumerate() {
+                    even(hits, sigma_t.channel(c), row);
+                }
+            }
+            Self::Table(table) => {
+                fill(hits, shift, rows, |t| table.depth(t));
+                for row in rows {
+                    exp_negative(row.as_flattened_mut());
+                }
+            }
+            Self::Flights(flights) => fill(hits, shift, rows, |t| flights.transmittance(t)),
+        }
+    }
 }
 
-impl<S: Spectrum> Block<'_, S> {
-    /// The sum over all photons, with `phase` per steradian.
-    #[inline]
-    fn sum(
-        &self,
-        hits: &[Hit],
-        rows: &mut [[f32; BLOCK]],
-        phase: impl Fn(&Hit, &Payload<S>) -> f32,
-    ) -> S {
-        let mut radiance = S::default();
-        for hits in hits.chunks(BLOCK) {
-            let grey = self.attenuate(hits, rows);
-            let mut sum = S::default();
-            for (i, hit) in hits.iter().enumerate() {
-                let photon = self.photons.photon(hit.slot);
-                let weight = self.weight(hit, photon) * phase(hit, photon);
-                sum += if grey {
-                    photon.flux * (weight * rows[0][i])
-                } else {
-                    photon.flux * S::from_channels(|c| rows[c][i]) * weight
-                };
-            }
-            radiance += sum;
-        }
-        radiance
+/// Fills a row with the transmittance of one extinction.
+fn even(hits: &Hits, sigma_t: f32, row: &mut Vec<[f32; LANES]>) {
+    row.clone_from(&hits.t);
+    let row = row.as_flattened_mut();
+    row.iter_mut().for_each(|depth| *depth *= sigma_t);
+    exp_negative(row);
+    for (transmittance, length) in row.iter_mut().zip(hits.length.as_flattened()) {
+        *transmittance *= mean_transmittance(sigma_t * length);
     }
+}
 
-    /// Fills the rows with the transmittance to each photon, its mean over the chord of a ball.
-    /// Returns whether the first row is good for all channels.
-    #[inline]
-    fn attenuate(&self, hits: &[Hit], rows: &mut [[f32; BLOCK]]) -> bool {
-        match &self.attenuation {
-            Attenuation::Even(sigma_t) => {
-                let grey = *sigma_t == S::splat(sigma_t.channel(0));
-                let rows = if grey { &mut rows[..1] } else { rows };
-                for (c, row) in rows.iter_mut().enumerate() {
-                    let (row, sigma_t) = (&mut row[..hits.len()], sigma_t.channel(c));
-                    for (depth, hit) in row.iter_mut().zip(hits) {
-                        *depth = sigma_t * hit.t;
-                    }
-                    exp_negative(row);
-                    if self.photons.blur() == Blur::Ball {
-                        for (transmittance, hit) in row.iter_mut().zip(hits) {
-                            *transmittance *= mean_transmittance(sigma_t * hit.length);
-                        }
-                    }
-                }
-                grey
-            }
-            Attenuation::Table(table) => {
-                let grey = table.is_grey();
-                self.fill(hits, rows, grey, |t| table.depth(t));
-                let rows = if grey { &mut rows[..1] } else { rows };
-                for row in rows {
-                    exp_negative(&mut row[..hits.len()]);
-                }
-                grey
-            }
-            Attenuation::Flights(flights) => {
-                let grey = flights.is_grey();
-                self.fill(hits, rows, grey, |t| flights.transmittance(t));
-                grey
-            }
-        }
+/// Fills rows with what `value` is where each photon is met.
+fn fill<S: Spectrum>(
+    hits: &Hits,
+    shift: f32,
+    rows: &mut [Vec<[f32; LANES]>],
+    value: impl Fn(f32) -> S,
+) {
+    for row in rows.iter_mut() {
+        row.clear();
+        row.resize(hits.blocks.len(), [0.0; LANES]);
     }
-
-    /// Fills the rows with what `value` is where each photon is met.
-    #[inline]
-    fn fill(&self, hits: &[Hit], rows: &mut [[f32; BLOCK]], grey: bool, value: impl Fn(f32) -> S) {
-        for (i, hit) in hits.iter().enumerate() {
-            let share = (self.shift + i as f32 * GOLDEN).fract();
-            let value = value(hit.t + share * hit.length);
-            let rows = if grey { &mut rows[..1] } else { &mut *rows };
-            for (c, row) in rows.iter_mut().enumerate() {
-                row[i] = value.channel(c);
-            }
-        }
-    }
-
-    /// The kernel, over what [`Payload::flux`] has of it.
-    #[inline]
-    fn weight(&self, hit: &Hit, photon: &Payload<S>) -> f32 {
-        match self.photons.blur() {
-            Blur::Disc => {
-                let squared = hit.distance_squared * photon.inverse_squared;
-                self.kernel.weight_2d(squared, 1.0)
-            }
-            Blur::Ball => hit.length,
+    for (i, (block, lane)) in each(&hits.lanes).enumerate() {
+        let share = (shift + i as f32 * GOLDEN).fract();
+        let length = hits.length.get(block).map_or(0.0, |lengths| lengths[lane]);
+        let value = value(hits.t[block][lane] + share * length);
+        for (c, row) in rows.iter_mut().enumerate() {
+            row[block][lane] = value.channel(c);
         }
     }
 }

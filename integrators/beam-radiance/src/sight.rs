@@ -48,11 +48,7 @@ where
     }
 
     fn surface(&mut self, point: &SurfacePoint<'_, H>, light: Incident) -> H::Spectrum {
-        let mut gather = |photons, sharp| self.surfaces.surface(photons, point, sharp).radiance;
-        let caustic = gather(&self.pass.caustic, true);
-        match light {
-            Incident::Unscattered => caustic,
-            Incident::All => caustic + gather(&self.pass.diffuse, false),
-        }
+        let photons = [&self.pass.caustic, &self.pass.diffuse];
+        self.surfaces.incident(photons, point, light).radiance
     }
 }

@@ -1,5 +1,7 @@
 //! Kernels that smooth a photon over the space around it.
 
+use crate::exponential;
+use fearless_simd::{Level, dispatch};
 use std::fmt;
 use std::ops::RangeInclusive;
 
@@ -103,6 +105,41 @@ impl Kernel {
         self.shape(distance_squared, inverse) * constant * (inverse * inverse)
     }
 
+    /// Replaces every u² = d²/r² by its weight on a disc of radius 1: many at once.
+    ///
+    /// ```
+    /// use tyndall_density::Kernel;
+    /// let mut squared = [0.25, 1.1, f32::INFINITY];
+    /// Kernel::Epanechnikov.weights_2d(&mut squared);
+    /// assert_eq!(squared, [Kernel::Epanechnikov.weight_2d(0.25, 1.0), 0.0, 0.0]);
+    /// ```
+    #[inline]
+    pub fn weights_2d(self, squared: &mut [f32]) {
+        dispatch!(Level::new(), _ => self.replace(squared));
+    }
+
+    #[inline(always)] // into code for the level of the machine
+    fn replace(self, squared: &mut [f32]) {
+        // A loop for each kernel, or the compiler would take them one by one.
+        match self {
+            Self::Gaussian => {
+                for u in &mut *squared {
+                    *u = if *u <= 1.0 {
+                        GAUSSIAN * *u
+                    } else {
+                        f32::INFINITY
+                    };
+                }
+                exponential::replace(squared);
+                squared.iter_mut().for_each(|weight| *weight *= 1.448_485_7);
+            }
+            Self::Constant => each(squared, |u| Self::Constant.weight_2d(u, 1.0)),
+            Self::Epanechnikov => each(squared, |u| Self::Epanechnikov.weight_2d(u, 1.0)),
+            Self::Biweight => each(squared, |u| Self::Biweight.weight_2d(u, 1.0)),
+            Self::Cone => each(squared, |u| Self::Cone.weight_2d(u, 1.0)),
+        }
+    }
+
     /// The weight in a ball, 1/unit³.
     ///
     /// ```
@@ -139,6 +176,13 @@ impl Kernel {
             Self::Cone => 1.0 - u_squared.max(0.0).sqrt(),
             Self::Gaussian => (-GAUSSIAN * u_squared).exp(),
         }
+    }
+}
+
+#[inline(always)]
+fn each(values: &mut [f32], f: impl Fn(f32) -> f32) {
+    for value in values {
+        *value = f(*value);
     }
 }
 

@@ -84,4 +84,9 @@ impl PhaseFunction for AnyPhase<'_> {
             Self::Mixture(mixture) => mixture.mean_cosine(),
         }
     }
+
+    #[inline]
+    fn is_isotropic(&self) -> bool {
+        matches!(self, Self::One(Phase::Isotropic))
+    }
 }
