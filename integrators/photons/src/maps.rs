@@ -132,8 +132,9 @@ impl<S: Spectrum> PhotonMaps<S> {
             });
         })?;
         let mut counts: BTreeMap<Map, usize> = BTreeMap::new();
-        for (map, photon) in found.iter().flatten() {
-            *counts.entry(*map).or_default() += usize::from(photon.is_storable());
+        let storable = |(_, photon): &&(Map, Photon<S>)| photon.is_storable();
+        for (map, _) in found.iter().flatten().filter(storable) {
+            *counts.entry(*map).or_default() += 1;
         }
         let batches: usize = found.iter().map(Vec::capacity).sum();
         let photons: usize = counts.values().sum();
