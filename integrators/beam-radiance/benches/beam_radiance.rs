@@ -1,12 +1,13 @@
-//! The beam radiance estimate in a box of fog with a ball of glass, on one core.
+//! The beam radiance estimate in a box of fog with a ball of glass.
 //!
-//!     cargo bench -p tyndall-beam-radiance
+//!     RAYON_NUM_THREADS=1 cargo bench -p tyndall-beam-radiance
 //!
 //! A pass of 500,000 photons in the medium, whose radii reach to the 30th nearest, and rays of a
-//! picture of 320 × 180 through them; then against the number of photons. `MANY=1` in the
-//! environment adds 10⁷.
+//! picture of 320 × 180 through them, all on all threads and one by one; then against the number of photons. With
+//! `TYNDALL_BENCH_MAX=10000000` in the environment up to 10⁷.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use rayon::prelude::*;
 use std::hint::black_box;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -20,6 +21,9 @@ use tyndall_walk::ByPhotons;
 
 /// Photons in the fog for every light path.
 const PHOTONS_A_PATH: f64 = 5.25;
+
+const WIDTH: u32 = 320;
+const PIXELS: u32 = WIDTH * 180;
 
 fn scene(fog: &str) -> Scene<Rgb> {
     let text = format!(
@@ -55,16 +59,10 @@ fn method(photons: f64) -> BeamRadiance {
     BeamRadiance::new().paths(paths).starting_paths(paths)
 }
 
-/// On one thread: its time is that of the core.
-fn alone<T: Send>(work: impl FnOnce() -> T + Send) -> T {
-    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build();
-    one.expect("a pool of one thread").install(work)
-}
-
 fn pass(host: &Scene<Rgb>, method: &BeamRadiance) -> Pass<Rgb> {
     let (streams, running) = (PassStreams::new(1, 0), AtomicBool::new(false));
     let cx = PassContext::new(0, &streams, &running);
-    alone(|| method.begin_pass(host, &cx, None)).expect("a pass")
+    method.begin_pass(host, &cx, None).expect("a pass")
 }
 
 fn trace(host: &Scene<Rgb>, paths: u64) -> PhotonMaps<Rgb> {
@@ -74,7 +72,36 @@ fn trace(host: &Scene<Rgb>, paths: u64) -> PhotonMaps<Rgb> {
         paths,
         ..Emission::default()
     };
-    alone(|| PhotonMaps::trace::<_, ByPhotons, _>(host, &cx, emission)).expect("photons")
+    PhotonMaps::trace::<_, ByPhotons, _>(host, &cx, emission).expect("photons")
+}
+
+/// The radiance of a sample of pixel `index` of the picture.
+fn sample(
+    host: &Scene<Rgb>,
+    method: &BeamRadiance,
+    pass: &Pass<Rgb>,
+    index: u32,
+    sampler: &mut impl Sampler,
+) -> Rgb {
+    let ray = host.sensor_ray([index % WIDTH, index / WIDTH], sampler.next());
+    method.estimate(host, pass, &mut (), &ray, sampler)
+}
+
+/// A sample of every pixel, on all threads.
+fn picture(c: &mut Criterion, host: &Scene<Rgb>, method: &BeamRadiance) {
+    let pass = pass(host, method);
+    let mut group = c.benchmark_group("picture");
+    group
+        .throughput(Throughput::Elements(PIXELS.into()))
+        .sample_size(10);
+    group.bench_function("5e5 photons", |b| {
+        b.iter(|| {
+            let pixels = (0..PIXELS).into_par_iter();
+            let pixels = pixels.map(|i| sample(host, method, &pass, i, &mut rng(i.into())));
+            black_box(pixels.reduce(Rgb::default, |a, b| a + b))
+        });
+    });
+    group.finish();
 }
 
 /// Rays of the picture, row by row.
@@ -91,9 +118,8 @@ fn gather(c: &mut Criterion, name: &str, host: &Scene<Rgb>, method: &BeamRadianc
     group.throughput(Throughput::Elements(1));
     group.bench_function(name, |b| {
         b.iter(|| {
-            index = (index + 1) % (320 * 180);
-            let ray = host.sensor_ray([index % 320, index / 320], sampler.next());
-            black_box(method.estimate(host, &pass, &mut (), &ray, &mut sampler))
+            index = (index + 1) % PIXELS;
+            black_box(sample(host, method, &pass, index, &mut sampler))
         });
     });
     group.finish();
@@ -103,7 +129,13 @@ fn bench(c: &mut Criterion) {
     let host = scene(EVEN);
     let mut group = c.benchmark_group("pass");
     group.sample_size(10);
-    for photons in [1e4, 1e5, 5e5, 1e6] {
+    let most = std::env::var("TYNDALL_BENCH_MAX").map_or(1e6, |most| {
+        let most = most.parse();
+        most.expect("TYNDALL_BENCH_MAX: a number of photons")
+    });
+    let counts = [1e4, 1e5, 5e5, 1e6, 1e7].into_iter();
+    let counts = counts.filter(|&photons| photons <= most);
+    for photons in counts.clone() {
         let paths = (photons / PHOTONS_A_PATH) as u64;
         group.throughput(Throughput::Elements(photons as u64));
         group.bench_function(BenchmarkId::new("traced, in kd-trees", photons), |b| {
@@ -114,8 +146,8 @@ fn bench(c: &mut Criterion) {
         });
     }
     group.finish();
-    let more = std::env::var("MANY").is_ok().then_some(1e7);
-    for photons in [1e4, 1e5, 5e5, 1e6].into_iter().chain(more) {
+    picture(c, &host, &method(5e5));
+    for photons in counts {
         gather(c, &format!("{photons:e} photons"), &host, &method(photons));
     }
     // Surfaces left out: what is gathered along rays alone.

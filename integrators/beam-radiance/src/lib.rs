@@ -294,7 +294,7 @@ where
 
     fn options(&self) -> Vec<(&'static str, String)> {
         let mut options = self.emission.options(D::BY_PHOTONS);
-        options.extend(self.progress.options("2/3"));
+        options.extend(self.progress.options(2.0 / 3.0));
         options.extend(self.volume.options(["radius", "nearest", "max_radius"]));
         let surfaces = ["surface_radius", "surface_nearest", "surface_max_radius"];
         options.extend(self.surfaces.options(surfaces));

@@ -16,7 +16,8 @@ const LN_2: [f32; 2] = [0.693_359_4, -2.121_944_4e-4];
 /// is some number.
 ///
 /// Written for the compiler to take several at once, as many as the machine can: at least four times
-/// as fast as [`f32::exp`] one by one, and the same to the bit on all.  e⁻ˣ = 2ⁿ eʳ with |r| ≤ ln 2/2, and eʳ by its series up to r⁷/7!.
+/// as fast as [`f32::exp`] one by one, and the same to the bit on all machines. e⁻ˣ = 2ⁿ eʳ with
+/// |r| ≤ ln 2/2, and eʳ by its series up to r⁷/7!.
 ///
 /// ```
 /// let mut depths = [0.0, 1.0, 20.0, f32::INFINITY];

@@ -80,7 +80,7 @@ impl Progress {
     /// What a method tells of these options, see
     /// [`Integrator::options`](tyndall_core::Integrator::options); `best` is the `alpha` taken if
     /// none is given.
-    pub fn options(&self, best: &str) -> [(&'static str, String); 2] {
+    pub fn options(&self, best: impl ToString) -> [(&'static str, String); 2] {
         let alpha = self
             .alpha
             .map_or(best.to_owned(), |alpha| alpha.to_string());

@@ -189,9 +189,9 @@ fn outputs() -> Vec<Case> {
 
 /// A checkpoint as `render` leaves it, of a render by this version, but for what it has rendered.
 fn checkpoint(version: &str) -> Vec<u8> {
-    let identity = (version, [7_u8; 32], "path", 0_u64);
+    let identity = (version, [7_u8; 32], "path", 0_u64, 0_u64);
     let body = postcard::to_stdvec(&identity).expect("plain data");
-    let mut bytes = b"TYNDALL\x1a\x01\0\0\0".to_vec();
+    let mut bytes = b"TYNDALL\x1a\x02\0\0\0".to_vec();
     bytes.extend((body.len() as u64).to_le_bytes());
     bytes.extend(blake3::hash(&body).as_bytes());
     bytes.extend(body);
