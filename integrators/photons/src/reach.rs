@@ -83,7 +83,7 @@ impl Progress {
     pub fn options(&self, best: impl ToString) -> [(&'static str, String); 2] {
         let alpha = self
             .alpha
-            .map_or(best.to_owned(), |alpha| alpha.to_string());
+            .map_or_else(|| best.to_string(), |alpha| alpha.to_string());
         [
             ("starting_paths", self.starting_paths.to_string()),
             ("alpha", alpha),
