@@ -109,7 +109,7 @@ impl<S: Spectrum> PhotonDiscs<S> {
             photons.flux(slot) * density
         };
         let inverse_squared = |block: &[u32]| {
-            let mut lanes = [0.0; LANES];
+            let mut lanes = [1.0; LANES]; // not 0: what pads is infinitely far away
             for (lane, index) in lanes.iter_mut().zip(block) {
                 *lane = photon(index).1.powi(2);
             }
