@@ -48,15 +48,6 @@ impl<S: Spectrum> Photons<S> {
     /// assert!(Photons::build(&[photon(f32::NAN)]).is_err());
     /// ```
     pub fn build(photons: &[Photon<S>]) -> Result<Self, BuildError> {
-        Ok(Self::build_with_order(photons)?.0)
-    }
-
-    /// As [`Photons::build`]; the second part is the index in the list of the photon in every slot,
-    /// by which a caller can keep more about photons than is stored here.
-    ///
-    /// # Errors
-    /// Those of [`Photons::build`].
-    pub fn build_with_order(photons: &[Photon<S>]) -> Result<(Self, Vec<u32>), BuildError> {
         check(photons)?;
         let (tree, order) = Tree::build(photons.len(), |i| photons[i].position);
         let (directions, flux) = order
@@ -64,12 +55,11 @@ impl<S: Spectrum> Photons<S> {
             .map(|&i| &photons[i as usize])
             .map(|photon| (octahedral::pack(photon.direction), photon.flux))
             .unzip();
-        let photons = Self {
+        Ok(Self {
             tree,
             directions,
             flux,
-        };
-        Ok((photons, order))
+        })
     }
 
     /// How many there are.

@@ -228,8 +228,8 @@ impl<D> BeamRadiance<D> {
     /// (0, 1], and 1 keeps them. 2/3 by default, the best for
     /// variances ∝ 1/r²: those of discs, balls and surfaces.
     #[must_use]
-    pub fn alpha(mut self, alpha: impl Into<Option<f64>>) -> Self {
-        self.progress.alpha = alpha.into();
+    pub fn alpha(mut self, alpha: f64) -> Self {
+        self.progress.alpha = Some(alpha);
         self
     }
 }

@@ -54,7 +54,7 @@ impl<H: Geometry + Shading + Media, D: DirectLight<H>> Sight<H> for Gathering<'_
         let mut radiance = D::along(*host, &segment, walk.throughput, sampler);
         if let (Some(medium), Some(photons)) = (host.medium(id), maps.in_medium(id)) {
             let march = self.options.march;
-            radiance += march.integrate(medium, ray, walk.throughput, sampler, |t, _| {
+            radiance += march.integrate(medium, ray, walk.throughput, sampler, |t| {
                 let gathered = gather.medium(photons, ray.at(t), -ray.direction, medium);
                 gathered.radiance
             });

@@ -47,7 +47,7 @@ impl March {
         ray: &Ray,
         carried: M::Spectrum,
         sampler: &mut T,
-        source: impl FnMut(f32, &mut T) -> M::Spectrum,
+        source: impl FnMut(f32) -> M::Spectrum,
     ) -> M::Spectrum {
         let mut depth = 0.0;
         medium.majorants(ray, |stretch| {
@@ -123,7 +123,7 @@ struct Walker<'a, M: Medium, T, F> {
     sum: M::Spectrum,
 }
 
-impl<M: Medium, T: Sampler, F: FnMut(f32, &mut T) -> M::Spectrum> Walker<'_, M, T, F> {
+impl<M: Medium, T: Sampler, F: FnMut(f32) -> M::Spectrum> Walker<'_, M, T, F> {
     /// Goes through a stretch, taking its points.
     fn cross(&mut self, stretch: Majorant) -> ControlFlow<()> {
         if depth_of(stretch) <= 0.0 {
@@ -209,7 +209,7 @@ impl<M: Medium, T: Sampler, F: FnMut(f32, &mut T) -> M::Spectrum> Walker<'_, M, 
         if self.transmittance.is_black() {
             return ControlFlow::Break(());
         }
-        let source = (self.source)(t as f32, self.sampler);
+        let source = (self.source)(t as f32);
         self.sum += self.transmittance * source * length as f32;
         ControlFlow::Continue(())
     }
