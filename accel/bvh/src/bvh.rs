@@ -3,7 +3,6 @@
 use crate::builder::{self, MAX_DEPTH};
 use crate::node::{Child, Node, Slabs};
 use crate::{BrokenTree, BuildError, LANES, LEAF, Quality, is_within};
-use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
 use std::ops::Range;
 use tyndall_core::{Aabb, Ray};
@@ -52,14 +51,7 @@ impl Bvh {
     /// each and in no particular order.
     #[inline]
     pub fn traverse(&self, ray: &Ray, mut visit: impl FnMut(Range<usize>)) {
-        let mut visit = |leaf| visit(self.slots_of(leaf));
-        dispatch!(Level::new(), simd => self.leaves(simd, ray, &mut visit));
-    }
-
-    /// Calls `visit` with every leaf whose box the ray meets.
-    #[inline(always)] // into code for the level of the machine
-    pub(crate) fn leaves<S: Simd>(&self, simd: S, ray: &Ray, mut visit: impl FnMut(u32)) {
-        let slabs = Slabs::new(simd, ray);
+        let slabs = Slabs::new(ray);
         let mut stack = [0u32; STACK];
         let mut waiting = usize::from(!self.nodes.is_empty());
         while waiting > 0 {
@@ -75,7 +67,7 @@ impl Bvh {
                         stack[waiting] = index + offset;
                         waiting += 1;
                     }
-                    Child::Leaf(leaf) => visit(leaf),
+                    Child::Leaf(leaf) => visit(self.slots_of(leaf)),
                 }
             }
         }

@@ -1,11 +1,10 @@
 //! Photon discs that face the ray, and the spheres around them.
 
-use crate::{BrokenTree, BuildError, Bvh, LANES, LEAF, LIMIT, Met, Quality, Query, is_within};
-use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x8};
+use crate::{BrokenTree, BuildError, Bvh, LANES, LEAF, LIMIT, Met, Quality, is_within};
 use glam::Vec3;
 use rayon::prelude::*;
 use tyndall_core::{Aabb, Ray};
+use wide::f32x8;
 
 /// Discs of given centres and radii which turn to face every ray that meets them.
 #[derive(Clone, Debug)]
@@ -21,8 +20,8 @@ pub struct Discs {
 #[derive(Clone, Debug)]
 #[repr(align(128))]
 struct Block {
-    center: [[f32; LANES]; 3],
-    radius: [f32; LANES],
+    center: [f32x8; 3],
+    radius: f32x8,
 }
 
 impl Discs {
@@ -77,16 +76,24 @@ impl Discs {
     /// in `[0, t_max]`; d² < r² is its squared distance from the centre there.
     #[inline]
     pub fn along(&self, ray: &Ray, mut visit: impl FnMut(usize, f32, f32)) {
-        self.blocks_along(ray, |met| {
-            met.each().for_each(|(slot, [t, d2])| visit(slot, t, d2));
-        });
+        self.blocks_along(ray, |met| met.each(|slot, [t, d2]| visit(slot, t, d2)));
     }
 
-    /// As [`Discs::along`], by blocks of eight: [`Met::values`] are `t` and d², 0 and infinite for
-    /// those that are not met.
+    /// As [`Discs::along`], by blocks of eight, some at a time: [`Met::values`] are `t` and d², 0
+    /// and infinite for those that are not met.
     #[inline]
-    pub fn blocks_along(&self, ray: &Ray, visit: impl FnMut(Met<2>)) {
-        self.bvh.meet(ray, &Facing { discs: self, ray }, visit);
+    pub fn blocks_along(&self, ray: &Ray, visit: impl FnMut(&Met<'_, 2>)) {
+        let line = Line::new(ray);
+        let test = |block: usize| {
+            let block = &self.blocks[block];
+            let (t, d2) = block.closest(&line);
+            let within = t.simd_ge(f32x8::ZERO) & t.simd_le(line.t_max);
+            let met = d2.simd_lt(block.radius * block.radius) & within;
+            let missed = f32x8::splat(f32::INFINITY);
+            let values = [met.select(t, f32x8::ZERO), met.select(d2, missed)];
+            (met.to_bitmask(), values)
+        };
+        (self.bvh).meet(ray, |leaf| self.leaves[leaf].touched(&line), test, visit);
     }
 
     /// Calls `visit(slot, t, d²)` once for every sphere that the ray is inside of for some part of
@@ -97,16 +104,24 @@ impl Discs {
     /// in that range; the difference of its ends would lose spheres small against `t`.
     #[inline]
     pub fn chords(&self, ray: &Ray, mut visit: impl FnMut(usize, f32, f32)) {
-        self.blocks_chords(ray, |met| {
-            met.each().for_each(|(slot, [t, d2])| visit(slot, t, d2));
-        });
+        self.blocks_chords(ray, |met| met.each(|slot, [t, d2]| visit(slot, t, d2)));
     }
 
-    /// As [`Discs::chords`], by blocks of eight: [`Met::values`] are `t` and d², whatever they may
-    /// be for those that are not met.
+    /// As [`Discs::chords`], by blocks of eight, some at a time: [`Met::values`] are `t` and d²,
+    /// whatever they may be for those that are not met.
     #[inline]
-    pub fn blocks_chords(&self, ray: &Ray, visit: impl FnMut(Met<2>)) {
-        self.bvh.meet(ray, &Inside { discs: self, ray }, visit);
+    pub fn blocks_chords(&self, ray: &Ray, visit: impl FnMut(&Met<'_, 2>)) {
+        let line = Line::new(ray);
+        let test = |block: usize| {
+            let block = &self.blocks[block];
+            let (t, d2) = block.closest(&line);
+            let r2 = block.radius * block.radius;
+            let half = (r2 - d2).sqrt(); // NaN outside
+            let length = half.fast_min(t) + half.fast_min(line.t_max - t);
+            let met = d2.simd_lt(r2) & length.simd_gt(f32x8::ZERO);
+            (met.to_bitmask(), [t, d2])
+        };
+        (self.bvh).meet(ray, |leaf| self.leaves[leaf].touched(&line), test, visit);
     }
 
     /// The centre of the disc in a slot.
@@ -185,100 +200,64 @@ fn sphere(discs: impl Iterator<Item = (Vec3, f32)> + Clone) -> (Vec3, f32) {
 /// Of distances to the ray, relative to how far along it they are: 16u, as the crate doc counts.
 const ROUNDING: f32 = 1e-6;
 
+/// A ray eight times.
+struct Line {
+    origin: [f32x8; 3],
+    direction: [f32x8; 3],
+    t_max: f32x8,
+}
+
+impl Line {
+    #[inline]
+    fn new(ray: &Ray) -> Self {
+        Self {
+            origin: ray.origin.to_array().map(f32x8::splat),
+            direction: ray.direction.to_array().map(f32x8::splat),
+            t_max: f32x8::splat(ray.t_max),
+        }
+    }
+}
+
 impl Block {
     fn new(spheres: impl Iterator<Item = (Vec3, f32)>, missing: f32) -> Self {
         let mut block = Self {
-            center: [[0.0; LANES]; 3],
-            radius: [missing; LANES],
+            center: [f32x8::ZERO; 3],
+            radius: f32x8::splat(missing),
         };
         for (lane, (center, radius)) in spheres.enumerate() {
             for (lanes, x) in block.center.iter_mut().zip(center.to_array()) {
-                lanes[lane] = x;
+                lanes.as_mut_array()[lane] = x;
             }
-            block.radius[lane] = radius;
+            block.radius.as_mut_array()[lane] = radius;
         }
         block
     }
 
     fn get(&self, lane: usize) -> (Vec3, f32) {
-        let center = self.center.map(|values| values[lane]);
-        (Vec3::from_array(center), self.radius[lane])
+        let of_lane = |values: f32x8| values.as_array()[lane];
+        let center = self.center.map(of_lane);
+        (Vec3::from_array(center), of_lane(self.radius))
     }
 
     /// Where the line passes the centres, and the squared distance there. From the difference and
     /// its part across the ray: |w|² − (w·d)² would cancel.
-    #[inline(always)]
-    fn closest<S: Simd>(&self, simd: S, ray: &Ray) -> (f32x8<S>, f32x8<S>) {
-        let [x, y, z] = &self.center;
-        let x = f32x8::from_slice(simd, x) - ray.origin.x;
-        let y = f32x8::from_slice(simd, y) - ray.origin.y;
-        let z = f32x8::from_slice(simd, z) - ray.origin.z;
-        let [dx, dy, dz] = ray.direction.to_array();
+    #[inline]
+    fn closest(&self, line: &Line) -> (f32x8, f32x8) {
+        let [x, y, z] = [0, 1, 2].map(|axis| self.center[axis] - line.origin[axis]);
+        let [dx, dy, dz] = line.direction;
         let t = x * dx + y * dy + z * dz;
         let [x, y, z] = [x - t * dx, y - t * dy, z - t * dz];
         (t, x * x + y * y + z * z)
     }
 
     /// A bit for each sphere that the ray touches; none for a radius of −∞.
-    #[inline(always)]
-    fn touched<S: Simd>(&self, simd: S, ray: &Ray) -> u32 {
-        let (t, d2) = self.closest(simd, ray);
-        let reach = f32x8::from_slice(simd, &self.radius) + t.abs() * ROUNDING;
-        let met =
-            d2.simd_lt(reach * reach) & (t + reach).simd_ge(0.0) & (t - reach).simd_le(ray.t_max);
-        met.to_bitmask() as u32
-    }
-}
-
-/// Which discs does the ray pass through?
-struct Facing<'a> {
-    discs: &'a Discs,
-    ray: &'a Ray,
-}
-
-impl Query<2> for Facing<'_> {
-    #[inline(always)]
-    fn screen<S: Simd>(&self, simd: S, leaf: usize) -> u32 {
-        self.discs.leaves[leaf].touched(simd, self.ray)
-    }
-
-    #[inline(always)]
-    fn test<S: Simd>(&self, simd: S, block: usize) -> (u32, [f32x8<S>; 2]) {
-        let block = &self.discs.blocks[block];
-        let (t, d2) = block.closest(simd, self.ray);
-        let radius = f32x8::from_slice(simd, &block.radius);
-        let within = t.simd_ge(0.0) & t.simd_le(self.ray.t_max);
-        let met = d2.simd_lt(radius * radius) & within;
-        let missed = f32x8::splat(simd, f32::INFINITY);
-        let [t, d2] = [
-            met.select(t, f32x8::splat(simd, 0.0)),
-            met.select(d2, missed),
-        ];
-        (met.to_bitmask() as u32, [t, d2])
-    }
-}
-
-/// Which spheres is the ray inside of?
-struct Inside<'a> {
-    discs: &'a Discs,
-    ray: &'a Ray,
-}
-
-impl Query<2> for Inside<'_> {
-    #[inline(always)]
-    fn screen<S: Simd>(&self, simd: S, leaf: usize) -> u32 {
-        self.discs.leaves[leaf].touched(simd, self.ray)
-    }
-
-    #[inline(always)]
-    fn test<S: Simd>(&self, simd: S, block: usize) -> (u32, [f32x8<S>; 2]) {
-        let block = &self.discs.blocks[block];
-        let (t, d2) = block.closest(simd, self.ray);
-        let radius = f32x8::from_slice(simd, &block.radius);
-        let r2 = radius * radius;
-        let half = (r2 - d2).sqrt(); // NaN outside
-        let length = half.min(t) + half.min(self.ray.t_max - t);
-        let met = d2.simd_lt(r2) & length.simd_gt(0.0);
-        (met.to_bitmask() as u32, [t, d2])
+    #[inline]
+    fn touched(&self, line: &Line) -> u32 {
+        let (t, d2) = self.closest(line);
+        let reach = self.radius + t.abs() * f32x8::splat(ROUNDING);
+        let met = d2.simd_lt(reach * reach)
+            & (t + reach).simd_ge(f32x8::ZERO)
+            & (t - reach).simd_le(line.t_max);
+        met.to_bitmask()
     }
 }

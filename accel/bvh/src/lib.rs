@@ -23,13 +23,8 @@
 //! # Other primitives
 //! [`Bvh`] holds boxes only: it is built from the [`Aabb`](tyndall_core::Aabb) of every primitive,
 //! gives back an order, and shows a ray the slots of that order that it may meet, by leaves of
-//! [`LEAF`]. A kind of primitive adds what is in the slots, in blocks of [`LANES`] side by side, and
-//! a [`Query`]: which blocks of a leaf are worth a test, and the test ([`Bvh::meet`]).
-//!
-//! # Instructions
-//! A ray takes the code for the widest instructions that the machine has (SSE2 to AVX-512, NEON),
-//! chosen when it runs. None of them fuses products with sums: what is found is the same to the bit
-//! with all.
+//! [`LEAF`]. A kind of primitive adds what is in the slots: blocks of [`LANES`] side by side, a
+//! screen that says which blocks of a leaf are worth a test, and the test ([`Bvh::meet`]).
 //!
 //! # Promised
 //! - Coordinates and radii up to 1e18 each, and radii of 1e-18 or more besides 0. What is beyond
@@ -71,8 +66,10 @@ pub use builder::Quality;
 pub use bvh::Bvh;
 pub use discs::Discs;
 pub use error::{BrokenTree, BuildError};
-pub use meet::{Met, Query};
+pub use meet::Met;
 pub use values::Values;
+/// Eight values side by side; blocks of other primitives are made of them.
+pub use wide::f32x8;
 
 /// Primitives of a block, blocks of a leaf, and children of a node.
 pub const LANES: usize = 8;

@@ -1,10 +1,9 @@
 //! Nodes of eight boxes, tested together.
 
 use crate::LANES;
-use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x8};
 use glam::Vec3;
 use tyndall_core::{Aabb, Ray};
+use wide::f32x8;
 
 /// What a child is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,13 +32,16 @@ const LEAF_BIT: u32 = 1 << 31;
 #[repr(align(128))]
 pub(crate) struct Node {
     /// Smallest and largest corners: `planes[1][2]` are the largest z.
-    planes: [[[f32; LANES]; 3]; 2],
+    planes: [[f32x8; 3]; 2],
     children: [u32; LANES],
 }
 
 impl Node {
     pub(crate) const EMPTY: Self = Self {
-        planes: [[[f32::INFINITY; LANES]; 3], [[f32::NEG_INFINITY; LANES]; 3]],
+        planes: [
+            [f32x8::new([f32::INFINITY; LANES]); 3],
+            [f32x8::new([f32::NEG_INFINITY; LANES]); 3],
+        ],
         children: [LEAF_BIT; LANES],
     };
 
@@ -47,8 +49,8 @@ impl Node {
     /// of a face is inside, and 0·∞ in [`Slabs`] can only arise outside.
     pub(crate) fn set(&mut self, lane: usize, bounds: Aabb, child: Child) {
         for axis in 0..3 {
-            self.planes[0][axis][lane] = bounds.min[axis].next_down();
-            self.planes[1][axis][lane] = bounds.max[axis].next_up();
+            self.planes[0][axis].as_mut_array()[lane] = bounds.min[axis].next_down();
+            self.planes[1][axis].as_mut_array()[lane] = bounds.max[axis].next_up();
         }
         self.children[lane] = match child {
             Child::Node(offset) => offset,
@@ -68,8 +70,9 @@ impl Node {
 
     /// The box of a child.
     pub(crate) fn bounds(&self, lane: usize) -> Aabb {
-        let corner =
-            |side: usize| Vec3::from_array([0, 1, 2].map(|axis| self.planes[side][axis][lane]));
+        let corner = |side: usize| {
+            Vec3::from_array([0, 1, 2].map(|axis| self.planes[side][axis].as_array()[lane]))
+        };
         Aabb {
             min: corner(0),
             max: corner(1),
@@ -82,19 +85,18 @@ impl Node {
     }
 
     /// A bit for every child whose box the ray meets.
-    #[inline(always)] // into code for the level of the machine
-    pub(crate) fn meets<S: Simd>(&self, ray: &Slabs<S>) -> u32 {
-        let simd = ray.t_max.token();
-        let mut near = f32x8::splat(simd, 0.0);
+    #[inline]
+    pub(crate) fn meets(&self, ray: &Slabs) -> u32 {
+        let mut near = f32x8::ZERO;
         let mut far = ray.t_max;
         for axis in 0..3 {
             let side = ray.negative[axis] & 1;
-            let entry = f32x8::from_slice(simd, &self.planes[side][axis]);
-            let exit = f32x8::from_slice(simd, &self.planes[1 - side][axis]);
-            near = near.max((entry - ray.origin[axis]) * ray.inverse[axis]);
-            far = far.min((exit - ray.origin[axis]) * ray.inverse[axis]);
+            let [entry, exit] = [self.planes[side][axis], self.planes[1 - side][axis]];
+            // In this order NaN, see `set`, leaves the bounds as they are.
+            near = ((entry - ray.origin[axis]) * ray.inverse[axis]).fast_max(near);
+            far = ((exit - ray.origin[axis]) * ray.inverse[axis]).fast_min(far);
         }
-        near.simd_le(far * ROUNDING).to_bitmask() as u32
+        near.simd_le(far * f32x8::splat(ROUNDING)).to_bitmask()
     }
 }
 
@@ -103,34 +105,24 @@ impl Node {
 const ROUNDING: f32 = 1.0 + 4e-7;
 
 /// A ray, prepared for [`Node::meets`].
-pub(crate) struct Slabs<S: Simd> {
-    origin: [f32x8<S>; 3],
+pub(crate) struct Slabs {
+    origin: [f32x8; 3],
     /// 1/direction; infinite across the axes that the ray does not move along.
-    inverse: [f32x8<S>; 3],
+    inverse: [f32x8; 3],
     /// 1 where the direction is negative: the ray enters through the largest plane.
     negative: [usize; 3],
-    t_max: f32x8<S>,
+    t_max: f32x8,
 }
 
-impl<S: Simd> Slabs<S> {
-    #[inline(always)]
-    pub(crate) fn new(simd: S, ray: &Ray) -> Self {
+impl Slabs {
+    #[inline]
+    pub(crate) fn new(ray: &Ray) -> Self {
         let inverse = ray.direction.recip();
         Self {
-            origin: splat(simd, ray.origin),
-            inverse: splat(simd, inverse),
+            origin: ray.origin.to_array().map(f32x8::splat),
+            inverse: inverse.to_array().map(f32x8::splat),
             negative: inverse.to_array().map(|d| usize::from(d < 0.0)),
-            t_max: f32x8::splat(simd, ray.t_max),
+            t_max: f32x8::splat(ray.t_max),
         }
     }
-}
-
-/// A point eight times. Not by `map`: what is not inlined by force is not for the level.
-#[inline(always)]
-pub(crate) fn splat<S: Simd>(simd: S, v: Vec3) -> [f32x8<S>; 3] {
-    [
-        f32x8::splat(simd, v.x),
-        f32x8::splat(simd, v.y),
-        f32x8::splat(simd, v.z),
-    ]
 }

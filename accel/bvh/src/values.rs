@@ -1,10 +1,9 @@
 //! Values of primitives, in blocks as they are.
 
 use crate::LANES;
-use fearless_simd::prelude::*;
-use fearless_simd::{Level, Simd, dispatch, f32x8};
 use std::marker::PhantomData;
 use tyndall_core::Spectrum;
+use wide::f32x8;
 
 /// A spectrum for each slot, channel by channel: what is summed over the blocks of a ray.
 ///
@@ -18,7 +17,7 @@ use tyndall_core::Spectrum;
 #[derive(Clone, Debug)]
 pub struct Values<S> {
     /// The channels of a block follow each other.
-    channels: Vec<[f32; LANES]>,
+    channels: Vec<f32x8>,
     spectrum: PhantomData<S>,
 }
 
@@ -26,11 +25,11 @@ impl<S: Spectrum> Values<S> {
     /// In the order of the slots.
     pub fn new(slots: impl ExactSizeIterator<Item = S>) -> Self {
         let blocks = slots.len().div_ceil(LANES);
-        let mut channels = vec![[0.0; LANES]; blocks * S::CHANNELS];
+        let mut channels = vec![f32x8::ZERO; blocks * S::CHANNELS];
         for (slot, value) in slots.enumerate() {
             let block = &mut channels[slot / LANES * S::CHANNELS..][..S::CHANNELS];
             for (c, lanes) in block.iter_mut().enumerate() {
-                lanes[slot % LANES] = value.channel(c);
+                lanes.as_mut_array()[slot % LANES] = value.channel(c);
             }
         }
         Self {
@@ -46,23 +45,11 @@ impl<S: Spectrum> Values<S> {
     /// There is no such block.
     #[inline]
     pub fn sum(&self, channel: usize, blocks: &[u32], weights: &[[f32; LANES]]) -> f32 {
-        dispatch!(Level::new(), simd => self.sum_with(simd, channel, blocks, weights))
-    }
-
-    #[inline(always)] // into code for the level of the machine
-    fn sum_with<L: Simd>(
-        &self,
-        simd: L,
-        channel: usize,
-        blocks: &[u32],
-        weights: &[[f32; LANES]],
-    ) -> f32 {
-        let mut sum = f32x8::splat(simd, 0.0);
-        for (&block, weights) in blocks.iter().zip(weights) {
-            let values = &self.channels[block as usize * S::CHANNELS + channel];
-            sum += f32x8::from_slice(simd, values) * f32x8::from_slice(simd, weights);
+        let mut sum = f32x8::ZERO;
+        for (&block, &weights) in blocks.iter().zip(weights) {
+            sum += self.channels[block as usize * S::CHANNELS + channel] * f32x8::new(weights);
         }
-        sum.iter().sum() // `reduce_sum` has an order for each machine
+        sum.to_array().iter().sum()
     }
 
     /// Bytes of the values.

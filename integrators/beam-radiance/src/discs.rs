@@ -162,32 +162,34 @@ impl<S: Spectrum> PhotonDiscs<S> {
         match self.blur {
             Blur::Disc => {
                 self.discs.blocks_along(ray, |met| {
-                    let [t, mut squared] = met.values;
-                    let inverse_squared = &self.inverse_squared[met.block];
-                    for (squared, inverse) in squared.iter_mut().zip(inverse_squared) {
-                        *squared *= inverse;
-                    }
-                    hits.blocks.push(met.block as u32);
-                    hits.lanes.push(met.lanes as u8);
-                    hits.t.push(t);
-                    hits.weight.push(squared);
+                    let [t, squared] = met.values;
+                    hits.blocks.extend_from_slice(met.blocks);
+                    hits.lanes.extend_from_slice(met.lanes);
+                    hits.t.extend_from_slice(t);
+                    let scaled = met.blocks.iter().zip(squared).map(|(&block, squared)| {
+                        let inverse = &self.inverse_squared[block as usize];
+                        std::array::from_fn(|lane| squared[lane] * inverse[lane])
+                    });
+                    hits.weight.extend(scaled);
                 });
                 kernel.weights_2d(hits.weight.as_flattened_mut());
             }
             Blur::Ball => self.discs.blocks_chords(ray, |met| {
-                let (mut starts, mut lengths) = ([0.0; LANES], [0.0; LANES]);
-                for (slot, [t, distance_squared]) in met.each() {
-                    let radius = self.discs.radius(slot);
-                    if let Some(chord) = Chord::new(t, distance_squared, radius, ray.t_max) {
-                        starts[slot % LANES] = chord.start;
-                        lengths[slot % LANES] = chord.length;
+                let first = hits.blocks.len();
+                hits.blocks.extend_from_slice(met.blocks);
+                hits.lanes.extend_from_slice(met.lanes);
+                hits.t.resize(hits.blocks.len(), [0.0; LANES]);
+                hits.length.resize(hits.blocks.len(), [0.0; LANES]);
+                let [t, squared] = met.values;
+                for (i, lane) in each(met.lanes) {
+                    let radius = self.discs.radius(met.blocks[i] as usize * LANES + lane);
+                    if let Some(chord) = Chord::new(t[i][lane], squared[i][lane], radius, ray.t_max)
+                    {
+                        hits.t[first + i][lane] = chord.start;
+                        hits.length[first + i][lane] = chord.length;
                     }
                 }
-                hits.blocks.push(met.block as u32);
-                hits.lanes.push(met.lanes as u8);
-                hits.t.push(starts);
-                hits.length.push(lengths);
-                hits.weight.push(lengths);
+                hits.weight.extend_from_slice(&hits.length[first..]);
             }),
         }
     }
