@@ -76,21 +76,36 @@ impl Discs {
     /// in `[0, t_max]`; d² < r² is its squared distance from the centre there.
     #[inline]
     pub fn along(&self, ray: &Ray, mut visit: impl FnMut(usize, f32, f32)) {
-        self.blocks_along(ray, |met| met.each(|slot, [t, d2]| visit(slot, t, d2)));
+        let visit = |met: &Met<'_, 2>| met.each(|slot, [t, d2]| visit(slot, t, d2));
+        self.facing(ray, |d2, _| d2, visit);
     }
 
-    /// As [`Discs::along`], by blocks of eight, some at a time: [`Met::values`] are `t` and d², 0
-    /// and infinite for those that are not met.
+    /// As [`Discs::along`], by blocks of eight, some at a time: [`Met::values`] are `t` and d²/r²,
+    /// 0 and infinite for those that are not met.
     #[inline]
     pub fn blocks_along(&self, ray: &Ray, visit: impl FnMut(&Met<'_, 2>)) {
+        self.facing(ray, |d2, r2| d2 / r2, visit);
+    }
+
+    /// Visits discs that the ray passes through; values are `t` and that of d² and r².
+    #[inline]
+    fn facing(
+        &self,
+        ray: &Ray,
+        value: impl Fn(f32x8, f32x8) -> f32x8,
+        visit: impl FnMut(&Met<'_, 2>),
+    ) {
         let line = Line::new(ray);
         let test = |block: usize| {
             let block = &self.blocks[block];
             let (t, d2) = block.closest(&line);
-            let within = t.simd_ge(f32x8::ZERO) & t.simd_le(line.t_max);
-            let met = d2.simd_lt(block.radius * block.radius) & within;
+            let r2 = block.radius * block.radius;
+            let met = d2.simd_lt(r2) & t.simd_ge(f32x8::ZERO) & t.simd_le(line.t_max);
             let missed = f32x8::splat(f32::INFINITY);
-            let values = [met.select(t, f32x8::ZERO), met.select(d2, missed)];
+            let values = [
+                met.select(t, f32x8::ZERO),
+                met.select(value(d2, r2), missed),
+            ];
             (met.to_bitmask(), values)
         };
         (self.bvh).meet(ray, |leaf| self.leaves[leaf].touched(&line), test, visit);

@@ -17,9 +17,7 @@ pub(crate) struct PhotonDiscs<S> {
     pub(crate) medium: MediumId,
     blur: Blur,
     discs: Discs,
-    /// 1/r², by slot as all that follows.
-    inverse_squared: Vec<[f32; LANES]>,
-    /// What is scattered of the flux, over r² (disc) or over the volume (ball).
+    /// What is scattered of the flux, over r² (disc) or over the volume (ball); by slot as what follows.
     flux: Values<S>,
     /// Of travel.
     directions: Vec<Vec3>,
@@ -108,21 +106,9 @@ impl<S: Spectrum> PhotonDiscs<S> {
             };
             photons.flux(slot) * density
         };
-        let inverse_squared = |block: &[u32]| {
-            let mut lanes = [1.0; LANES]; // not 0: what pads is infinitely far away
-            for (lane, index) in lanes.iter_mut().zip(block) {
-                *lane = photon(index).1.powi(2);
-            }
-            lanes
-        };
         Ok(Self {
             medium,
             blur,
-            inverse_squared: discs
-                .order()
-                .par_chunks(LANES)
-                .map(inverse_squared)
-                .collect(),
             flux: Values::new(order.clone().map(flux)),
             directions: order.map(|i| photons.direction(photon(i).0)).collect(),
             discs,
@@ -150,10 +136,7 @@ impl<S: Spectrum> PhotonDiscs<S> {
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        self.discs.bytes()
-            + size_of_val(self.inverse_squared.as_slice())
-            + self.flux.bytes()
-            + size_of_val(self.directions.as_slice())
+        self.discs.bytes() + self.flux.bytes() + size_of_val(self.directions.as_slice())
     }
 
     /// Puts all photons that the ray meets into `hits`, once each.
@@ -166,11 +149,7 @@ impl<S: Spectrum> PhotonDiscs<S> {
                     hits.blocks.extend_from_slice(met.blocks);
                     hits.lanes.extend_from_slice(met.lanes);
                     hits.t.extend_from_slice(t);
-                    let scaled = met.blocks.iter().zip(squared).map(|(&block, squared)| {
-                        let inverse = &self.inverse_squared[block as usize];
-                        std::array::from_fn(|lane| squared[lane] * inverse[lane])
-                    });
-                    hits.weight.extend(scaled);
+                    hits.weight.extend_from_slice(squared);
                 });
                 kernel.weights_2d(hits.weight.as_flattened_mut());
             }
