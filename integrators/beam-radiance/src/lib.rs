@@ -53,7 +53,7 @@
 //!
 //! # Cost
 //! Linear in light paths; a ray costs what lies along it, ∝ N^(1/3)·k^(2/3) photons of N. A photon
-//! of three channels in a medium takes 28 bytes beside those of its disc (see `tyndall-bvh`);
+//! of three channels in a medium takes 24 bytes beside those of its disc (see `tyndall-bvh`);
 //! [`Pass::bytes`] tells.
 //!
 //! # References
