@@ -1,13 +1,12 @@
 //! What a ray gathers of the photons that it passes.
 
-use crate::depth::{DepthTable, OPAQUE};
 use crate::discs::{Hits, PhotonDiscs, each};
-use crate::flights::Flights;
 use crate::{Blur, Transmittance};
 use glam::Vec3;
 use tyndall_bvh::LANES;
 use tyndall_core::{Medium, PhaseFunction, Ray, Sampler, Spectrum};
 use tyndall_density::{Kernel, exp_negative, in_scattered};
+use tyndall_walk::{DepthTable, Flights, OPAQUE};
 
 /// Fraction of the golden ratio: its multiples, modulo 1, are spread evenly.
 const GOLDEN: f32 = 0.618_034;

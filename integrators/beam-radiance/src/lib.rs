@@ -65,16 +65,12 @@
 //! - Claude Knaus, Matthias Zwicker (2011), "Progressive Photon Mapping: A Probabilistic Approach".
 #![forbid(unsafe_code)]
 
-mod depth;
 mod discs;
-mod flights;
 mod gather;
 mod options;
 mod pass;
 mod sight;
 
-pub use depth::DepthTable;
-pub use flights::Flights;
 pub use options::{Blur, Transmittance};
 pub use pass::Pass;
 pub use tyndall_density::Kernel;

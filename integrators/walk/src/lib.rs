@@ -4,7 +4,8 @@
 //! between media, passes null surfaces without counting them as bounces, samples free flights and
 //! scatterings, and plays Russian roulette. [`Connection`] is what lies
 //! between two given points. [`equiangular`] samples points on a segment seen from a pivot; a
-//! [`Line`] weights them against free flight.
+//! [`Line`] weights them against free flight. A [`DepthTable`] and [`Flights`] give the transmittance
+//! from the start of a ray to many of its points.
 //! [`LightPaths`] emits and traces the light paths of a pass, and a [`Route`] says what their light
 //! has met; [`DirectLight`] is the choice of who finds that which has met nothing.
 //!
@@ -15,14 +16,18 @@
 #![forbid(unsafe_code)]
 
 mod connection;
+mod depth;
 mod direct;
 pub mod equiangular;
+mod flights;
 mod light;
 mod line;
 mod walk;
 
 pub use connection::Connection;
+pub use depth::{DepthTable, OPAQUE};
 pub use direct::{ByPhotons, BySampling, DirectLight};
+pub use flights::Flights;
 pub use light::{LightPaths, Route};
 pub use line::{Collided, Line, LinePoint, power_heuristic};
 pub use walk::{Event, Scattered, Segment, Site, Vertex, Walk};

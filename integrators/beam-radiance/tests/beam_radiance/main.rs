@@ -7,7 +7,6 @@ mod extremes;
 mod heterogeneous;
 mod progressive;
 mod surfaces;
-mod transmittance;
 
 use std::sync::atomic::AtomicBool;
 use tyndall_beam_radiance::BeamRadiance;

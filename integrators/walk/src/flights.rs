@@ -65,7 +65,8 @@ impl<S: Spectrum> Flights<S> {
     }
 
     /// Whether all channels are the same.
-    pub(crate) fn is_grey(&self) -> bool {
+    #[inline]
+    pub fn is_grey(&self) -> bool {
         S::CHANNELS == 1 || self.ends.iter().all(|(_, w)| *w == S::splat(w.channel(0)))
     }
 }

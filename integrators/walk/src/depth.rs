@@ -3,8 +3,8 @@
 use std::ops::ControlFlow::{self, Break, Continue};
 use tyndall_core::{Majorant, Medium, Ray, Spectrum};
 
-/// Optical depth from which on the transmittance is 0 in `f32`.
-pub(crate) const OPAQUE: f32 = 87.0;
+/// Optical depth from which on the transmittance counts as 0: e^−87 is about the least normal `f32`.
+pub const OPAQUE: f32 = 87.0;
 /// Halvings of a piece.
 const LEVELS: u32 = 16;
 /// Knots of a table.
@@ -274,7 +274,8 @@ impl<S: Spectrum> DepthTable<S> {
     }
 
     /// Whether all channels are the same.
-    pub(crate) fn is_grey(&self) -> bool {
+    #[inline]
+    pub fn is_grey(&self) -> bool {
         S::CHANNELS == 1 || self.is_grey
     }
 }
