@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering};
 use tyndall_core::{Figure, MediumId, PassError, Spectrum};
 use tyndall_kd_tree::{Photon, Photons};
-use tyndall_photons::{Aim, Emission, PhotonMaps, Search};
+use tyndall_photons::{Aim, Emission, PhotonMaps, Search, SurfacePhotons};
 
 /// Bytes that a photon in a medium takes at most, in its map and while its disc is built.
 const PEAK: usize = 128;
@@ -14,11 +14,8 @@ const PEAK: usize = 128;
 /// The photons of a pass.
 #[derive(Debug)]
 pub struct Pass<S> {
-    /// At surfaces, straight from lights or through specular surfaces alone.
-    pub(crate) caustic: Photons<S>,
-    /// At surfaces, scattered before.
-    pub(crate) diffuse: Photons<S>,
-    /// How the two are searched.
+    pub(crate) surfaces: SurfacePhotons<S>,
+    /// How those are searched.
     pub(crate) search: Search,
     /// In media, in the order of their ids.
     media: Vec<PhotonDiscs<S>>,
@@ -36,7 +33,7 @@ impl<S: Spectrum> Pass<S> {
     pub(crate) fn build(
         emission: Emission,
         maps: PhotonMaps<S>,
-        surfaces: Search,
+        search: Search,
         volume: Search,
         blur: Blur,
         shrink: f32,
@@ -50,9 +47,8 @@ impl<S: Spectrum> Pass<S> {
         let media = media.collect::<Result<Vec<_>, _>>()?;
         let kept: usize = media.iter().map(PhotonDiscs::len).sum();
         Ok(Self {
-            caustic: maps.caustic,
-            diffuse: maps.diffuse,
-            search: surfaces,
+            surfaces: maps.surfaces,
+            search,
             media,
             shrink,
             left_out: traced - kept,
@@ -94,13 +90,13 @@ impl<S: Spectrum> Pass<S> {
     /// Photons kept in media and on surfaces.
     pub fn photons(&self) -> [usize; 2] {
         let volume = self.media.iter().map(PhotonDiscs::len).sum();
-        [volume, self.caustic.len() + self.diffuse.len()]
+        [volume, self.surfaces.len()]
     }
 
     /// Memory held, in bytes.
     pub fn bytes(&self) -> usize {
         let volume: usize = self.media.iter().map(PhotonDiscs::bytes).sum();
-        volume + self.caustic.bytes() + self.diffuse.bytes()
+        volume + self.surfaces.bytes()
     }
 }
 

@@ -48,7 +48,7 @@ where
     }
 
     fn surface(&mut self, point: &SurfacePoint<'_, H>, light: Incident) -> H::Spectrum {
-        let photons = [&self.pass.caustic, &self.pass.diffuse];
+        let photons = &self.pass.surfaces;
         self.surfaces.incident(photons, point, light).radiance
     }
 }

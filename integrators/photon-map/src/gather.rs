@@ -71,7 +71,7 @@ impl<H: Geometry + Shading + Media, D: DirectLight<H>> Sight<H> for Gathering<'_
     }
 
     fn surface(&mut self, point: &SurfacePoint<'_, H>, light: Incident) -> H::Spectrum {
-        let photons = self.maps.surfaces();
+        let photons = &self.maps.surfaces;
         self.surfaces.incident(photons, point, light).radiance
     }
 

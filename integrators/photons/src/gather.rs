@@ -1,6 +1,6 @@
 //! What is gathered at points of surfaces and media.
 
-use crate::{Incident, Search};
+use crate::{Incident, Search, SurfacePhotons};
 use glam::Vec3;
 use tyndall_core::{Geometry, Medium, Shading};
 use tyndall_density::{Kernel, SurfacePoint, in_scattered};
@@ -33,18 +33,18 @@ impl Gather {
         }
     }
 
-    /// What a surface gathers of the photons of [surfaces](crate::PhotonMaps::surfaces).
+    /// What a surface gathers of all photons on surfaces.
     pub fn incident<H: Geometry + Shading>(
         &mut self,
-        [caustic, diffuse]: [&Photons<H::Spectrum>; 2],
+        photons: &SurfacePhotons<H::Spectrum>,
         point: &SurfacePoint<'_, H>,
         light: Incident,
     ) -> Gathered<H::Spectrum> {
-        let mut gathered = self.surface(caustic, point, true);
+        let mut gathered = self.surface(&photons.caustic, point, true);
         if light == Incident::All {
-            let Gathered { radiance, photons } = self.surface(diffuse, point, false);
-            gathered.radiance += radiance;
-            gathered.photons += photons;
+            let scattered = self.surface(&photons.diffuse, point, false);
+            gathered.radiance += scattered.radiance;
+            gathered.photons += scattered.photons;
         }
         gathered
     }

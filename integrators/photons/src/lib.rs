@@ -1,6 +1,7 @@
 //! Light paths as points, for all methods that gather photons.
 //!
-//! [`PhotonMaps::trace`] makes the photons of a pass; a [`Gather`] estimates what a surface or a
+//! [`PhotonMaps::trace`] makes the photons of a pass ([`Traced::trace`], if a method keeps something else
+//! of media); a [`Gather`] estimates what a surface or a
 //! medium scatters of them; [`radiance`] is the walk of sight from the sensor to where they are
 //! gathered. Photon mapping in its kinds differs in what it does along segments in media: a
 //! [`Sight`]. This crate estimates nothing by itself.
@@ -15,8 +16,8 @@
 //! | light, before it reaches a surface that scatters into many directions | found by |
 //! |---|---|
 //! | unscattered | photons or light samples: [`DirectLight`](tyndall_walk::DirectLight) |
-//! | through specular surfaces alone | photons of [`PhotonMaps::caustic`] |
-//! | scattered | photons of [`PhotonMaps::diffuse`]; from sharp directions of a nearly specular surface, and in final gathering, walks |
+//! | through specular surfaces alone | photons of [`SurfacePhotons::caustic`] |
+//! | scattered | photons of [`SurfacePhotons::diffuse`]; from sharp directions of a nearly specular surface, and in final gathering, walks |
 //!
 //! The sensor sees lights, and media that emit, straight and through specular surfaces. No photon
 //! starts in a medium: its light does not light its surroundings.
@@ -37,14 +38,18 @@
 //!   routes, and what it carries is multiplied by the albedo where it collided.
 #![forbid(unsafe_code)]
 
+mod emission;
 mod gather;
 mod maps;
 mod reach;
 mod search;
 mod sight;
+mod traced;
 
+pub use emission::Emission;
 pub use gather::{Gather, Gathered};
-pub use maps::{Emission, PhotonMaps};
+pub use maps::{PhotonMaps, SurfacePhotons, collided, volume_maps};
 pub use reach::{Progress, Reach, Share, Start, ensure, unsupported};
 pub use search::{Aim, Neighbours, Search};
 pub use sight::{Incident, Sight, radiance};
+pub use traced::Traced;

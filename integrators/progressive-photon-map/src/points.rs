@@ -76,14 +76,15 @@ where
 
     fn surface(&mut self, point: &SurfacePoint<'_, H>, light: Incident) -> H::Spectrum {
         let Self { maps, room, .. } = self;
-        let both = maps.surfaces();
+        let photons = &maps.surfaces;
+        let both = [&photons.caustic, &photons.diffuse];
         let Some(radius) =
             (self.surfaces).radius(|reach| reach.around(point.position(), &both, room))
         else {
             return H::Spectrum::default();
         };
         let mut gather = Gather::new(Search::Within(radius), self.kernel);
-        let gathered = gather.incident(both, point, light);
+        let gathered = gather.incident(photons, point, light);
         self.surfaces.found(gathered.photons);
         gathered.radiance
     }

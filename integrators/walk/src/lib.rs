@@ -28,6 +28,6 @@ pub use connection::Connection;
 pub use depth::{DepthTable, OPAQUE};
 pub use direct::{ByPhotons, BySampling, DirectLight};
 pub use flights::Flights;
-pub use light::{LightPaths, Route};
+pub use light::{Flight, LightPaths, Route, Visit};
 pub use line::{Collided, Line, LinePoint, power_heuristic};
 pub use walk::{Event, Scattered, Segment, Site, Vertex, Walk};

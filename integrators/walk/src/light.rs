@@ -5,8 +5,8 @@ use rayon::prelude::*;
 use sobol_burley::sample_4d;
 use std::sync::atomic::{AtomicU64, Ordering};
 use tyndall_core::{
-    Domain, Geometry, LightEmission, Media, PassContext, PassError, Sampler, Shading, Spectrum,
-    Streams,
+    Domain, Geometry, HostTypes, LightEmission, Media, MediumId, PassContext, PassError, Ray,
+    Sampler, Shading, Spectrum, Streams,
 };
 
 /// Points of one low-discrepancy sequence: what `sobol_burley` has.
@@ -118,23 +118,65 @@ pub enum Route {
     Diffuse,
 }
 
+/// What a walk of light tells on its way.
+pub enum Visit<'a, H: HostTypes> {
+    /// A flight through a medium.
+    Flight(Flight<H::Spectrum>),
+    /// A collision or a surface that scatters, and the flux that arrives there: before the
+    /// scattering, in W.
+    Vertex(&'a Vertex<H>, H::Spectrum),
+}
+
+/// A flight through a medium, from one vertex or boundary up to a collision or the next surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Flight<S> {
+    /// Up to the next surface, whether the flight got there or not.
+    pub ray: Ray,
+    /// What it runs through.
+    pub medium: MediumId,
+    /// How far the flight got: less than the end of the ray if it collided.
+    pub reached: f32,
+    /// Flux at its start, in W.
+    pub start: S,
+    /// Flux at its end. As a constant from the start on up to where the flight got, and 0 behind,
+    /// it has at every distance the mean `start` × transmittance: see [`Flights`](crate::Flights).
+    pub end: S,
+}
+
 impl<H: Geometry + Shading + Media> Walk<'_, H> {
-    /// Walks to the end. `visit` is told every vertex, the flux that arrives there (before the
-    /// scattering, in W) and what the light has met before. The first where the flux or the place
-    /// is not finite is the last: Russian roulette would not end such a walk.
-    pub fn visit(
+    /// Walks to the end. `visit` is told every flight through a medium and the vertex after it,
+    /// and what the light has met before. The first vertex where the flux or the place is not
+    /// finite is the last: Russian roulette would not end such a walk.
+    pub fn visit<T: Sampler>(
         mut self,
-        sampler: &mut impl Sampler,
-        mut visit: impl FnMut(&Vertex<H>, H::Spectrum, Route),
+        sampler: &mut T,
+        mut visit: impl FnMut(Visit<'_, H>, Route, &mut T),
     ) {
         let mut route = Route::Direct;
         loop {
             let segment = self.segment();
-            match self.fly(segment, sampler) {
+            let (ray, medium, start) = (segment.ray, segment.medium, self.throughput);
+            let event = self.fly(segment, sampler);
+            if self.host.medium(medium).is_some() {
+                let reached = match &event {
+                    Event::Scattering(vertex) => vertex.t,
+                    Event::Interface(_) | Event::Escape(_) => ray.t_max,
+                };
+                let end = self.throughput;
+                let flight = Flight {
+                    ray,
+                    medium,
+                    reached,
+                    start,
+                    end,
+                };
+                visit(Visit::Flight(flight), route, sampler);
+            }
+            match event {
                 Event::Interface(_) if !self.throughput.is_black() => {}
                 Event::Interface(_) | Event::Escape(_) => return,
                 Event::Scattering(vertex) => {
-                    visit(&vertex, self.throughput, route);
+                    visit(Visit::Vertex(&vertex, self.throughput), route, sampler);
                     if !(self.throughput.is_finite() && vertex.position.is_finite()) {
                         return;
                     }

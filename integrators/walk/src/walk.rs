@@ -19,7 +19,7 @@ use tyndall_core::{
 /// }
 /// ```
 pub struct Walk<'h, H: HostTypes> {
-    host: &'h H,
+    pub(crate) host: &'h H,
     from: PathFrom,
     ray: Ray,
     medium: MediumId,

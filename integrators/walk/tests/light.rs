@@ -10,7 +10,7 @@ use tyndall_media::{Homogeneous, Phase};
 use tyndall_scene_io::{Scene, SceneFile};
 use tyndall_testkit::hosts::{AnalyticHost, Interface, Light, View};
 use tyndall_testkit::stats::{Moments, check_means};
-use tyndall_walk::{LightPaths, Route, Site};
+use tyndall_walk::{LightPaths, Route, Visit};
 
 const POWER: Rgb = Rgb(Vec3::new(3.0, 1.0, 0.5));
 
@@ -39,8 +39,10 @@ fn collisions(index: u64, paths: u64) -> Vec<(Vec3, Rgb)> {
     let host = fog();
     let collected = pass(index, |cx| {
         LightPaths::new(cx, paths, u64::MAX).collect(&host, |walk, sampler, found| {
-            walk.visit(sampler, |vertex, flux, _| {
-                found.push((vertex.position, flux))
+            walk.visit(sampler, |visit, _, _| {
+                if let Visit::Vertex(vertex, flux) = visit {
+                    found.push((vertex.position, flux));
+                }
             });
         })
     });
@@ -124,11 +126,12 @@ fn routes_tell_what_light_has_met() {
         let routes = pass(0, |cx| {
             LightPaths::new(cx, 2000, u64::MAX).collect(&host, |walk, sampler, found| {
                 let mut collisions = 0;
-                walk.visit(sampler, |vertex, _, route| {
-                    if let Site::Collision(_) = vertex.site {
+                walk.visit(sampler, |visit, route, _| match visit {
+                    Visit::Vertex(vertex, _) if vertex.is_collision() => {
                         found.push((collisions, route));
                         collisions += 1;
                     }
+                    _ => {}
                 });
             })
         });
@@ -267,9 +270,10 @@ fn routes_tell_what_light_has_met_at_surfaces() {
     let paths = pass(0, |cx| {
         LightPaths::new(cx, 20_000, u64::MAX).collect(&host, |walk, sampler, found| {
             let mut path = Vec::new();
-            walk.visit(sampler, |vertex, _, route| {
-                let collided = matches!(vertex.site, Site::Collision(_));
-                path.push((collided, vertex.position, vertex.wo, route));
+            walk.visit(sampler, |visit, route, _| {
+                if let Visit::Vertex(vertex, _) = visit {
+                    path.push((vertex.is_collision(), vertex.position, vertex.wo, route));
+                }
             });
             found.push(path);
         })

@@ -37,7 +37,7 @@ fn measured<D: DirectLight<AnalyticHost<Homogeneous<Rgb>>>>(
     let mut found = [Moments::new(); 3];
     for pass in 0..40 {
         let maps = maps::<_, D>(host, pass, 5_000);
-        assert!(maps.caustic.is_empty() && maps.diffuse.is_empty());
+        assert!(maps.surfaces.is_empty());
         let middle = host_position() + DISTANCE as f32 * Vec3::new(0.6, 0.0, 0.8);
         let photons = maps.in_medium(inside(host)).expect("photons");
         let at = gather.medium(photons, middle, Vec3::X, &host.medium);

@@ -49,7 +49,7 @@ impl<D: DirectLight<Scene<Rgb>>> Sight<Scene<Rgb>> for Surfaces<'_, D> {
     }
 
     fn surface(&mut self, point: &SurfacePoint<'_, Scene<Rgb>>, light: Incident) -> Rgb {
-        let photons = self.maps.surfaces();
+        let photons = &self.maps.surfaces;
         self.gather.incident(photons, point, light).radiance
     }
 

@@ -46,7 +46,7 @@ where
         }
         Site::Surface(hit) => {
             let point = SurfacePoint::new(host, hit, vertex.wo);
-            for map in [&maps.caustic, &maps.diffuse] {
+            for map in [&maps.surfaces.caustic, &maps.surfaces.diffuse] {
                 for slot in 0..map.len() {
                     let photon = map.get(slot);
                     let offset = photon.position - center;
