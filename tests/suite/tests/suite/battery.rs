@@ -111,7 +111,8 @@ fn agree(name: &str, modes: &[Mode], effort: Effort) -> Result<(), String> {
             let method = (mode.at_scale)(scale, paths);
             measure(&scene, &method, parts, (passes, seed))
         };
-        let [wide, narrow] = [at_scale(1.0, 2 * seed), at_scale(0.5, 2 * seed + 1)];
+        let wide = at_scale(mode.scale, 2 * seed);
+        let narrow = at_scale(0.5 * mode.scale, 2 * seed + 1);
         for i in 0..reference.len() {
             let difference = narrow[i].difference(&reference[i]);
             let gone = wide[i].difference(&narrow[i]);
@@ -178,7 +179,7 @@ scenes! {
         MAP_FINAL, MAP_NEAREST,
     ],
     murky_water: [
-        MAP, MAP_SAMPLED_FINAL, PROGRESSIVE, PROGRESSIVE_SAMPLED, BEAMS, BEAMS_SAMPLED_BALLS,
+        MAP, MAP_SAMPLED_FINAL, PROGRESSIVE, PROGRESSIVE_SAMPLED, BEAMS, BEAMS_SAMPLED_BALLS.fine(),
         MAP_SAMPLED,
     ],
     several_lights: [

@@ -13,8 +13,10 @@ pub(crate) type Method = Box<dyn AnyIntegrator<Scene<Rgb>, PassStreams>>;
 #[derive(Clone, Copy)]
 pub(crate) struct Mode {
     pub(crate) name: &'static str,
-    /// With radii times a scale, 1 or 1/2, and so many light paths a pass.
+    /// With radii times a scale and so many light paths a pass.
     pub(crate) at_scale: fn(f32, u64) -> Method,
+    /// The wider of the two scales; the other is half of it.
+    pub(crate) scale: f32,
     /// The least and the most of its bias that may be left at half the scale, over what is gone.
     pub(crate) left: [f64; 2],
 }
@@ -35,11 +37,19 @@ const fn mode(name: &'static str, left: [f64; 2], at_scale: fn(f32, u64) -> Meth
     Mode {
         name,
         at_scale,
+        scale: 1.0,
         left,
     }
 }
 
 impl Mode {
+    /// Where media are no larger than a few radii: what they lose at their boundaries falls more
+    /// slowly than radii, until these are small.
+    pub(crate) const fn fine(self) -> Self {
+        let scale = 0.5 * self.scale;
+        Self { scale, ..self }
+    }
+
     /// Where surfaces are curved.
     pub(crate) const fn curved(self) -> Self {
         let left = CURVED;
