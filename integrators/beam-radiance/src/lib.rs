@@ -65,18 +65,14 @@
 //! - Claude Knaus, Matthias Zwicker (2011), "Progressive Photon Mapping: A Probabilistic Approach".
 #![forbid(unsafe_code)]
 
-mod discs;
-mod gather;
-mod options;
 mod pass;
 mod sight;
 
-pub use options::{Blur, Transmittance};
 pub use pass::Pass;
 pub use tyndall_density::Kernel;
+pub use tyndall_photons::{Blur, Transmittance};
 pub use tyndall_walk::{ByPhotons, BySampling};
 
-use gather::BeamGather;
 use sight::Beams;
 use std::marker::PhantomData;
 use tyndall_core::{
@@ -84,7 +80,7 @@ use tyndall_core::{
     Shading, StateError, Streams,
 };
 use tyndall_density::Dimension;
-use tyndall_photons::{Emission, Gather, PhotonMaps, Progress, Reach, Start, radiance};
+use tyndall_photons::{AlongRay, Emission, Gather, PhotonMaps, Progress, Reach, Start, radiance};
 use tyndall_walk::DirectLight;
 
 /// The beam radiance estimate. `D` says who finds light that nothing has scattered before.
@@ -273,7 +269,7 @@ where
         let mut beams = Beams::<H, D> {
             host,
             pass,
-            media: BeamGather::new(self.kernel, self.transmittance),
+            media: AlongRay::new(self.kernel, self.transmittance),
             surfaces: Gather::new(pass.search, self.kernel),
             direct: PhantomData,
         };

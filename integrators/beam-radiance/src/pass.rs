@@ -1,12 +1,10 @@
 //! What a pass prepares.
 
-use crate::Blur;
-use crate::discs::PhotonDiscs;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering};
 use tyndall_core::{Figure, MediumId, PassError, Spectrum};
 use tyndall_kd_tree::{Photon, Photons};
-use tyndall_photons::{Aim, Emission, PhotonMaps, Search, SurfacePhotons};
+use tyndall_photons::{Blur, Emission, PhotonDiscs, PhotonMaps, Search, SurfacePhotons};
 
 /// Bytes that a photon in a medium takes at most, in its map and while its disc is built.
 const PEAK: usize = 128;
@@ -18,7 +16,7 @@ pub struct Pass<S> {
     /// How those are searched.
     pub(crate) search: Search,
     /// In media, in the order of their ids.
-    media: Vec<PhotonDiscs<S>>,
+    media: Vec<(MediumId, PhotonDiscs<S>)>,
     /// Radii over those of the start.
     shrink: f32,
     /// Photons whose radii were out of bounds.
@@ -39,13 +37,13 @@ impl<S: Spectrum> Pass<S> {
         shrink: f32,
     ) -> Result<Self, PassError> {
         let discs = |(medium, photons): (MediumId, Photons<S>)| {
-            PhotonDiscs::build(medium, &photons, &radii(volume, &photons), blur)
+            Ok((medium, PhotonDiscs::build(&photons, volume, blur)?))
         };
         let [traced, on_surfaces] = maps.photons();
         emission.allow(PEAK * traced + size_of::<Photon<S>>() * on_surfaces)?;
         let media = maps.volume.into_par_iter().map(discs);
-        let media = media.collect::<Result<Vec<_>, _>>()?;
-        let kept: usize = media.iter().map(PhotonDiscs::len).sum();
+        let media = media.collect::<Result<Vec<_>, PassError>>()?;
+        let kept: usize = media.iter().map(|(_, discs)| discs.len()).sum();
         Ok(Self {
             surfaces: maps.surfaces,
             search,
@@ -59,8 +57,8 @@ impl<S: Spectrum> Pass<S> {
 
     /// The photons of a medium, if it has any.
     pub(crate) fn photons_in(&self, medium: MediumId) -> Option<&PhotonDiscs<S>> {
-        let index = self.media.binary_search_by_key(&medium.0, |m| m.medium.0);
-        index.ok().map(|i| &self.media[i])
+        let index = self.media.binary_search_by_key(&medium.0, |(id, _)| id.0);
+        index.ok().map(|i| &self.media[i].1)
     }
 
     pub(crate) fn report(&self, error: f32) {
@@ -89,25 +87,13 @@ impl<S: Spectrum> Pass<S> {
 
     /// Photons kept in media and on surfaces.
     pub fn photons(&self) -> [usize; 2] {
-        let volume = self.media.iter().map(PhotonDiscs::len).sum();
+        let volume = self.media.iter().map(|(_, discs)| discs.len()).sum();
         [volume, self.surfaces.len()]
     }
 
     /// Memory held, in bytes.
     pub fn bytes(&self) -> usize {
-        let volume: usize = self.media.iter().map(PhotonDiscs::bytes).sum();
+        let volume: usize = self.media.iter().map(|(_, discs)| discs.bytes()).sum();
         volume + self.surfaces.bytes()
     }
-}
-
-/// The radius of every photon of a medium: to its nearest others. One alone has none, unless one is
-/// given.
-fn radii<S: Spectrum>(search: Search, photons: &Photons<S>) -> Vec<f32> {
-    let Aim { count, limit, part } = match search {
-        Search::Within(radius) => return vec![radius; photons.len()],
-        Search::Nearest(neighbours) => neighbours.pilot(photons.len().saturating_sub(1)),
-    };
-    let mut radii = photons.nearest_radii(count, limit);
-    radii.par_iter_mut().for_each(|radius| *radius *= part);
-    radii
 }

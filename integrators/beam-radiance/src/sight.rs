@@ -1,18 +1,17 @@
 //! The walk of sight.
 
 use crate::Pass;
-use crate::gather::BeamGather;
 use std::marker::PhantomData;
 use tyndall_core::{Geometry, LightEmission, Media, Sampler, Shading};
 use tyndall_density::SurfacePoint;
-use tyndall_photons::{Gather, Incident, Sight};
+use tyndall_photons::{AlongRay, Gather, Incident, Sight};
 use tyndall_walk::{DirectLight, Event, Segment, Vertex, Walk};
 
 /// What is gathered along one walk of sight.
 pub(crate) struct Beams<'p, H: Geometry, D> {
     pub(crate) host: &'p H,
     pub(crate) pass: &'p Pass<H::Spectrum>,
-    pub(crate) media: BeamGather<H::Spectrum>,
+    pub(crate) media: AlongRay<H::Spectrum>,
     pub(crate) surfaces: Gather,
     pub(crate) direct: PhantomData<D>,
 }
@@ -35,7 +34,7 @@ where
         if let Some(medium) = self.host.medium(segment.medium) {
             let (ray, carried) = (&segment.ray, walk.throughput);
             if let Some(photons) = self.pass.photons_in(segment.medium) {
-                radiance += self.media.along(photons, medium, ray, carried, sampler);
+                radiance += self.media.gather(photons, medium, ray, carried, sampler);
             }
         }
         radiance += D::along(self.host, &segment, walk.throughput, sampler);

@@ -2,7 +2,8 @@
 //!
 //! [`PhotonMaps::trace`] makes the photons of a pass ([`Traced::trace`], if a method keeps something else
 //! of media); a [`Gather`] estimates what a surface or a
-//! medium scatters of them; [`radiance`] is the walk of sight from the sensor to where they are
+//! medium scatters of them at a point, [`AlongRay`] what a medium scatters of [`PhotonDiscs`] along a
+//! whole ray; [`radiance`] is the walk of sight from the sensor to where they are
 //! gathered. Photon mapping in its kinds differs in what it does along segments in media: a
 //! [`Sight`]. This crate estimates nothing by itself.
 //!
@@ -38,6 +39,9 @@
 //!   routes, and what it carries is multiplied by the albedo where it collided.
 #![forbid(unsafe_code)]
 
+mod along;
+mod blur;
+mod discs;
 mod emission;
 mod gather;
 mod maps;
@@ -46,9 +50,12 @@ mod search;
 mod sight;
 mod traced;
 
+pub use along::AlongRay;
+pub use blur::{Blur, Transmittance};
+pub use discs::PhotonDiscs;
 pub use emission::Emission;
 pub use gather::{Gather, Gathered};
-pub use maps::{PhotonMaps, SurfacePhotons, collided, volume_maps};
+pub use maps::{PhotonMaps, SurfacePhotons, VolumeLists, collided};
 pub use reach::{Progress, Reach, Share, Start, ensure, unsupported};
 pub use search::{Aim, Neighbours, Search};
 pub use sight::{Incident, Sight, radiance};

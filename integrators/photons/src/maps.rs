@@ -67,11 +67,13 @@ impl<S: Spectrum> PhotonMaps<S> {
                 collided(vertex, flux).into_iter().for_each(keep);
             }
         })?;
-        let (volume, lost) = volume_maps(|| traced.media(), traced.bytes(), emission)?;
+        let mut volume = VolumeLists::new(traced.media(), traced.bytes(), emission)?;
+        let (surfaces, lost, media) = traced.split();
+        media.for_each(|(medium, photon)| volume.push(medium, photon));
         Ok(Self {
-            volume,
-            lost: traced.lost + lost,
-            surfaces: traced.surfaces,
+            surfaces,
+            lost: lost + volume.lost(),
+            volume: volume.maps()?,
         })
     }
 
@@ -104,36 +106,59 @@ pub fn collided<H: Geometry>(
     (!photon.flux.is_black()).then_some((vertex.medium, photon))
 }
 
-/// A map for each medium in which there are photons, in the order of ids, and how many no map can
-/// hold. `held` bytes are taken already.
-///
-/// # Errors
-/// [`PassError::Memory`]; [`PassError::Unsupported`] for more photons than a map can number.
-#[allow(clippy::type_complexity)]
-pub fn volume_maps<'a, S: Spectrum, I: Iterator<Item = &'a (MediumId, Photon<S>)>>(
-    photons: impl Fn() -> I,
-    held: usize,
-    emission: Emission,
-) -> Result<(Vec<(MediumId, Photons<S>)>, u64), PassError> {
-    let mut counts: BTreeMap<u32, usize> = BTreeMap::new();
-    let mut lost = 0;
-    for (medium, photon) in photons() {
-        if photon.is_storable() {
+/// Photons of media on their way into maps, a list each.
+#[derive(Debug)]
+pub struct VolumeLists<S> {
+    lists: BTreeMap<u32, Vec<Photon<S>>>,
+    lost: u64,
+}
+
+impl<S: Spectrum> VolumeLists<S> {
+    /// Room for those that maps can hold. `held` bytes are taken already.
+    ///
+    /// # Errors
+    /// [`PassError::Memory`].
+    pub fn new<'a>(
+        photons: impl Iterator<Item = &'a (MediumId, Photon<S>)>,
+        held: usize,
+        emission: Emission,
+    ) -> Result<Self, PassError> {
+        let mut counts: BTreeMap<u32, usize> = BTreeMap::new();
+        for (medium, _) in photons.filter(|(_, photon)| photon.is_storable()) {
             *counts.entry(medium.0).or_default() += 1;
+        }
+        let all: usize = counts.values().sum();
+        emission.allow(held + all * size_of::<Photon<S>>())?;
+        let list = |(medium, count)| (medium, Vec::with_capacity(count));
+        Ok(Self {
+            lists: counts.into_iter().map(list).collect(),
+            lost: 0,
+        })
+    }
+
+    /// Adds a photon, if maps can hold it.
+    pub fn push(&mut self, medium: MediumId, photon: Photon<S>) {
+        if photon.is_storable() {
+            self.lists.entry(medium.0).or_default().push(photon);
         } else {
-            lost += 1;
+            self.lost += 1;
         }
     }
-    let all: usize = counts.values().sum();
-    emission.allow(held + all * size_of::<Photon<S>>())?;
-    let list = |(medium, count)| (medium, Vec::with_capacity(count));
-    let mut lists: BTreeMap<u32, Vec<Photon<S>>> = counts.into_iter().map(list).collect();
-    for (medium, photon) in photons().filter(|(_, photon)| photon.is_storable()) {
-        lists.entry(medium.0).or_default().push(*photon);
+
+    /// Photons that were not added.
+    pub fn lost(&self) -> u64 {
+        self.lost
     }
-    let map = |(medium, list): (u32, Vec<_>)| {
-        let photons = Photons::build(&list).map_err(unsupported)?;
-        Ok((MediumId(medium), photons))
-    };
-    Ok((lists.into_iter().map(map).collect::<Result<_, _>>()?, lost))
+
+    /// A map for each medium that has photons, in the order of ids.
+    ///
+    /// # Errors
+    /// [`PassError::Unsupported`] for more photons than a map can number.
+    pub fn maps(self) -> Result<Vec<(MediumId, Photons<S>)>, PassError> {
+        let map = |(medium, list): (u32, Vec<_>)| {
+            let photons = Photons::build(&list).map_err(unsupported)?;
+            Ok((MediumId(medium), photons))
+        };
+        self.lists.into_iter().map(map).collect()
+    }
 }

@@ -106,6 +106,17 @@ impl<S: Spectrum, T: Send> Traced<S, T> {
             Left::Caustic(_) | Left::Diffuse(_) => None,
         })
     }
+
+    /// The photons at surfaces, how many are lost, and what is kept of media, the memory of which
+    /// is freed on the way.
+    pub fn split(self) -> (SurfacePhotons<S>, u64, impl Iterator<Item = T>) {
+        let media = |left| match left {
+            Left::Medium(item) => Some(item),
+            Left::Caustic(_) | Left::Diffuse(_) => None,
+        };
+        let left = self.left.into_iter().flatten().filter_map(media);
+        (self.surfaces, self.lost, left)
+    }
 }
 
 /// What is stored at a surface.

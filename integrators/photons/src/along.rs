@@ -11,9 +11,9 @@ use tyndall_walk::{DepthTable, Flights, OPAQUE};
 /// Fraction of the golden ratio: its multiples, modulo 1, are spread evenly.
 const GOLDEN: f32 = 0.618_034;
 
-/// Room for what rays meet, reused from one to the next.
+/// Gathers photons along rays of sight. Room for what rays meet is reused from one to the next.
 #[derive(Debug)]
-pub(crate) struct BeamGather<S> {
+pub struct AlongRay<S> {
     kernel: Kernel,
     transmittance: Transmittance,
     hits: Hits,
@@ -21,8 +21,8 @@ pub(crate) struct BeamGather<S> {
     rows: Vec<Vec<[f32; LANES]>>,
     table: DepthTable<S>,
     flights: Flights<S>,
-    /// Largest error of transmittance met.
-    pub(crate) error: f32,
+    /// Largest error of transmittance met, an absolute one: see [`Transmittance::Table`].
+    pub error: f32,
 }
 
 /// Where the transmittance of a ray comes from.
@@ -32,9 +32,9 @@ enum Attenuation<'a, S> {
     Flights(&'a Flights<S>),
 }
 
-impl<S: Spectrum> BeamGather<S> {
+impl<S: Spectrum> AlongRay<S> {
     /// Room for nothing yet.
-    pub(crate) fn new(kernel: Kernel, transmittance: Transmittance) -> Self {
+    pub fn new(kernel: Kernel, transmittance: Transmittance) -> Self {
         Self {
             kernel,
             transmittance,
@@ -48,7 +48,7 @@ impl<S: Spectrum> BeamGather<S> {
 
     /// Radiance that the medium scatters towards the origin of the ray, of all photons along it:
     /// Σ Tr p αΦ K₂ over discs (Jarosz et al. 2008, eq. 13), Σ p αΦ K₃ ∫Tr dt over balls.
-    pub(crate) fn along<M: Medium<Spectrum = S>>(
+    pub fn gather<M: Medium<Spectrum = S>>(
         &mut self,
         photons: &PhotonDiscs<S>,
         medium: &M,

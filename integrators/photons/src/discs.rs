@@ -1,20 +1,17 @@
 //! Photons of a medium as discs.
 
-use crate::Blur;
+use crate::{Aim, Blur, Search, unsupported};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::f32::consts::PI;
 use tyndall_bvh::{Discs, LANES, Quality, Values};
-use tyndall_core::{MediumId, PassError, Ray, Spectrum};
+use tyndall_core::{PassError, Ray, Spectrum};
 use tyndall_density::{Chord, Kernel, RADII};
 use tyndall_kd_tree::Photons;
 
-use crate::options::unsupported;
-
-/// The photons of one medium, and what is met of them along rays.
+/// The photons of one medium, to be met along rays.
 #[derive(Clone, Debug)]
-pub(crate) struct PhotonDiscs<S> {
-    pub(crate) medium: MediumId,
+pub struct PhotonDiscs<S> {
     blur: Blur,
     discs: Discs,
     /// What is scattered of the flux, over r² (disc) or over the volume (ball); by slot as what follows.
@@ -78,13 +75,13 @@ pub(crate) fn each(lanes: &[u8]) -> impl Iterator<Item = (usize, usize)> {
 }
 
 impl<S: Spectrum> PhotonDiscs<S> {
-    /// Of the photons in `medium`, but for those whose radii are out of bounds.
-    pub(crate) fn build(
-        medium: MediumId,
-        photons: &Photons<S>,
-        radii: &[f32],
-        blur: Blur,
-    ) -> Result<Self, PassError> {
+    /// Of all photons but those whose radii, by `search`, are out of [`RADII`]. One alone has none,
+    /// unless one is given.
+    ///
+    /// # Errors
+    /// [`PassError::Unsupported`] for positions beyond 1e18.
+    pub fn build(photons: &Photons<S>, search: Search, blur: Blur) -> Result<Self, PassError> {
+        let radii = radii(search, photons);
         let slots: Vec<u32> = (0..photons.len() as u32)
             .filter(|&slot| RADII.contains(&radii[slot as usize]))
             .collect();
@@ -107,7 +104,6 @@ impl<S: Spectrum> PhotonDiscs<S> {
             photons.flux(slot) * density
         };
         Ok(Self {
-            medium,
             blur,
             flux: Values::new(order.clone().map(flux)),
             directions: order.map(|i| photons.direction(photon(i).0)).collect(),
@@ -131,11 +127,18 @@ impl<S: Spectrum> PhotonDiscs<S> {
         self.blur
     }
 
-    pub(crate) fn len(&self) -> usize {
+    /// How many there are.
+    pub fn len(&self) -> usize {
         self.discs.len()
     }
 
-    pub(crate) fn bytes(&self) -> usize {
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Memory held, in bytes.
+    pub fn bytes(&self) -> usize {
         self.discs.bytes() + self.flux.bytes() + size_of_val(self.directions.as_slice())
     }
 
@@ -172,4 +175,15 @@ impl<S: Spectrum> PhotonDiscs<S> {
             }),
         }
     }
+}
+
+/// The radius of every photon of a medium: to its nearest others.
+fn radii<S: Spectrum>(search: Search, photons: &Photons<S>) -> Vec<f32> {
+    let Aim { count, limit, part } = match search {
+        Search::Within(radius) => return vec![radius; photons.len()],
+        Search::Nearest(neighbours) => neighbours.pilot(photons.len().saturating_sub(1)),
+    };
+    let mut radii = photons.nearest_radii(count, limit);
+    radii.par_iter_mut().for_each(|radius| *radius *= part);
+    radii
 }

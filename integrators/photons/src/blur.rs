@@ -1,9 +1,7 @@
-//! What can be chosen, and what cannot.
+//! How photons are gathered along rays.
 
-pub(crate) use tyndall_photons::unsupported;
-
+use crate::ensure;
 use tyndall_core::PassError;
-use tyndall_photons::ensure;
 
 /// Over what a photon in a medium is smoothed, and with it how rays meet it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -18,7 +16,7 @@ pub enum Blur {
 
 impl Blur {
     /// Over which photons are smoothed.
-    pub(crate) fn dimensions(self) -> u8 {
+    pub fn dimensions(self) -> u8 {
         match self {
             Self::Disc => 2,
             Self::Ball => 3,
@@ -54,7 +52,8 @@ impl Default for Transmittance {
 }
 
 impl Transmittance {
-    pub(crate) fn options(self) -> [(&'static str, String); 2] {
+    /// What a method tells of it, see [`Integrator::options`](tyndall_core::Integrator::options).
+    pub fn options(self) -> [(&'static str, String); 2] {
         let (how, detail) = match self {
             Self::Table { max_error } => ("table", ("max_error", max_error.to_string())),
             Self::Tracking { flights } => ("tracking", ("flights", flights.to_string())),
@@ -62,7 +61,11 @@ impl Transmittance {
         [("transmittance", how.to_owned()), detail]
     }
 
-    pub(crate) fn check(self) -> Result<(), PassError> {
+    /// Refuses what makes no sense.
+    ///
+    /// # Errors
+    /// [`PassError::Unsupported`].
+    pub fn check(self) -> Result<(), PassError> {
         match self {
             Self::Table { max_error } => ensure(max_error > 0.0 && max_error < 1.0, || {
                 format!("`max_error` of the transmittance is {max_error}; give one in (0, 1)")
