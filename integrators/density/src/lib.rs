@@ -72,6 +72,7 @@
 
 mod exponential;
 mod kernel;
+mod lines;
 mod medium;
 mod schedule;
 mod statistics;
@@ -79,6 +80,7 @@ mod surface;
 
 pub use exponential::exp_negative;
 pub use kernel::{Kernel, RADII};
+pub use lines::Lines;
 pub use medium::{Chord, in_scattered};
 pub use schedule::{Dimension, Schedule, ScheduleError, Shrinkage};
 pub use statistics::Statistics;
