@@ -58,20 +58,18 @@
 #![forbid(unsafe_code)]
 
 mod gather;
-mod march;
 
 pub use tyndall_density::Kernel;
 pub use tyndall_walk::{ByPhotons, BySampling};
 
 use gather::Gathering;
-use march::March;
 use std::marker::PhantomData;
 use tyndall_core::{
     Figure, Geometry, Integrator, LightEmission, Media, PassContext, PassError, Sampler, SensorRay,
     Shading, StateError, Streams,
 };
 use tyndall_density::Dimension;
-use tyndall_photons::{Emission, PhotonMaps, Reach, Search, Share, Start, radiance};
+use tyndall_photons::{Emission, March, PhotonMaps, Reach, Search, Share, Start, radiance};
 use tyndall_walk::DirectLight;
 
 /// Photon mapping. `D` says who finds the light that nothing has scattered.

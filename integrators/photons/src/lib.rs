@@ -3,7 +3,7 @@
 //! [`PhotonMaps::trace`] makes the photons of a pass ([`Traced::trace`], if a method keeps something else
 //! of media); a [`Gather`] estimates what a surface or a
 //! medium scatters of them at a point, [`AlongRay`] what a medium scatters of [`PhotonDiscs`] along a
-//! whole ray; [`radiance`] is the walk of sight from the sensor to where they are
+//! whole ray, and a [`March`] takes points along it; [`radiance`] is the walk of sight from the sensor to where they are
 //! gathered. Photon mapping in its kinds differs in what it does along segments in media: a
 //! [`Sight`]. This crate estimates nothing by itself.
 //!
@@ -45,6 +45,7 @@ mod discs;
 mod emission;
 mod gather;
 mod maps;
+mod march;
 mod reach;
 mod search;
 mod sight;
@@ -56,6 +57,7 @@ pub use discs::PhotonDiscs;
 pub use emission::Emission;
 pub use gather::{Gather, Gathered};
 pub use maps::{PhotonMaps, SurfacePhotons, VolumeLists, collided};
+pub use march::March;
 pub use reach::{Progress, Reach, Share, Start, ensure, unsupported};
 pub use search::{Aim, Neighbours, Search};
 pub use sight::{Incident, Sight, radiance};

@@ -54,6 +54,12 @@ impl<S: Spectrum> Flights<S> {
         }
     }
 
+    /// How far the flights got, ascending (infinity, if through), each with the estimate for what
+    /// is nearer than that and farther than those before.
+    pub fn ends(&self) -> &[(f32, S)] {
+        &self.ends[..self.ends.len().saturating_sub(1)]
+    }
+
     /// The estimate for `t`.
     ///
     /// # Panics

@@ -5,8 +5,8 @@ use rayon::prelude::*;
 use sobol_burley::sample_4d;
 use std::sync::atomic::{AtomicU64, Ordering};
 use tyndall_core::{
-    Domain, Geometry, HostTypes, LightEmission, Media, MediumId, PassContext, PassError, Ray,
-    Sampler, Shading, Spectrum, Streams,
+    Collision, Domain, Geometry, HostTypes, LightEmission, Media, MediumId, PassContext, PassError,
+    Ray, Sampler, Shading, Spectrum, Streams,
 };
 
 /// Points of one low-discrepancy sequence: what `sobol_burley` has.
@@ -134,8 +134,8 @@ pub struct Flight<S> {
     pub ray: Ray,
     /// What it runs through.
     pub medium: MediumId,
-    /// How far the flight got: less than the end of the ray if it collided.
-    pub reached: f32,
+    /// Where it collided, if it did.
+    pub collision: Option<Collision<S>>,
     /// Flux at its start, in W.
     pub start: S,
     /// Flux at its end. As a constant from the start on up to where the flight got, and 0 behind,
@@ -158,17 +158,12 @@ impl<H: Geometry + Shading + Media> Walk<'_, H> {
             let (ray, medium, start) = (segment.ray, segment.medium, self.throughput);
             let event = self.fly(segment, sampler);
             if self.host.medium(medium).is_some() {
-                let reached = match &event {
-                    Event::Scattering(vertex) => vertex.t,
-                    Event::Interface(_) | Event::Escape(_) => ray.t_max,
-                };
-                let end = self.throughput;
                 let flight = Flight {
                     ray,
                     medium,
-                    reached,
+                    collision: event.collision(),
                     start,
-                    end,
+                    end: self.throughput,
                 };
                 visit(Visit::Flight(flight), route, sampler);
             }

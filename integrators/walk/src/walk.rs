@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 use tyndall_core::{
-    Anchor, Coefficients, EmissionSample, Geometry, HostTypes, Media, Medium, MediumId, PathFrom,
-    PhaseFunction, Ray, Sampler, SensorRay, Shading, Spectrum, SurfaceKind,
+    Anchor, Coefficients, Collision, EmissionSample, Geometry, HostTypes, Media, Medium, MediumId,
+    PathFrom, PhaseFunction, Ray, Sampler, SensorRay, Shading, Spectrum, SurfaceKind,
 };
 
 /// A walk in progress: a ray that has not yet met anything, and what it carries.
@@ -98,6 +98,23 @@ pub enum Event<H: HostTypes> {
     Interface(H::Hit),
     /// Nowhere: the walk left the scene in this direction.
     Escape(Vec3),
+}
+
+impl<H: HostTypes> Event<H> {
+    /// The collision, if it is one.
+    pub(crate) fn collision(&self) -> Option<Collision<H::Spectrum>> {
+        match self {
+            Self::Scattering(Vertex {
+                t,
+                site: Site::Collision(coefficients),
+                ..
+            }) => Some(Collision {
+                t: *t,
+                coefficients: *coefficients,
+            }),
+            _ => None,
+        }
+    }
 }
 
 /// How a walk left a vertex.

@@ -1,8 +1,8 @@
 //! Ray marching: the integral of a source of light along a segment of sight.
 
+use crate::ensure;
 use std::ops::ControlFlow;
 use tyndall_core::{Majorant, Medium, PassError, Ray, Sampler, Spectrum};
-use tyndall_photons::ensure;
 
 /// Transmittance below which a channel plays Russian roulette: it goes on with this one, or ends.
 const LITTLE: f32 = 0.1;
@@ -14,16 +14,19 @@ const PATIENCE: f32 = 1000.0;
 
 /// How a ray is marched: in steps of bounded optical depth, one jittered point in each.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct March {
+pub struct March {
     /// Largest optical depth of a step, of the majorant.
-    pub(crate) step: f32,
+    pub step: f32,
     /// Fewest steps on a segment that holds anything.
-    pub(crate) min_steps: u32,
+    pub min_steps: u32,
 }
 
 impl March {
     /// Refuses steps that would not end.
-    pub(crate) fn check(self) -> Result<(), PassError> {
+    ///
+    /// # Errors
+    /// [`PassError::Unsupported`].
+    pub fn check(self) -> Result<(), PassError> {
         let Self { step, min_steps } = self;
         ensure(step > 0.0 && step < f32::INFINITY, || {
             format!("`step` is {step}: name an optical depth more than 0, and finite")
@@ -41,7 +44,7 @@ impl March {
     /// each step, so that opaque and infinite segments end. The channels of a homogeneous medium
     /// are known: one that does not scatter is not marched for, and once the denser ones have ended
     /// the steps are those of the others.
-    pub(crate) fn integrate<M: Medium, T: Sampler>(
+    pub fn integrate<M: Medium, T: Sampler>(
         self,
         medium: &M,
         ray: &Ray,

@@ -1,0 +1,139 @@
+//! What light paths leave in media: beams, or photons where beams do not pay.
+
+use crate::Extent;
+use std::f32::consts::FRAC_PI_2;
+use std::ops::ControlFlow;
+use tyndall_bvh::BeamShape;
+use tyndall_core::{Media, Medium, MediumId, Ray, Sampler, Spectrum};
+use tyndall_kd_tree::Photon;
+use tyndall_walk::{Flight, Flights, OPAQUE};
+
+/// The longest beam, in scene units: its end is a place that a tree can hold.
+const LONGEST: f32 = 1e17;
+
+/// What a flight of light leaves.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Left<S> {
+    /// A beam, and the flux at its start; its transmittance follows, if there is no closed form.
+    Beam(MediumId, BeamShape, S),
+    /// How far one of the free flights along the last beam got, and the transmittance to what lies
+    /// before that and behind the one that follows.
+    Reached(f32, S),
+    /// A photon where the flight collided, with the flux that scatters there.
+    Point(MediumId, Photon<S>),
+}
+
+/// How beams are made of flights.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rule {
+    /// Whether any beams are wanted.
+    pub(crate) beams: bool,
+    /// How far they go.
+    pub(crate) extent: Extent,
+    /// Free flights that estimate the transmittance of a long one, where there is no closed form.
+    pub(crate) flights: u32,
+    /// Radius of beams.
+    pub(crate) radius: f32,
+}
+
+impl Rule {
+    /// Keeps what a flight leaves. Whether that is a beam or a photon depends on where the flight
+    /// starts and where it goes, never on how far it gets: the split is unbiased.
+    pub(crate) fn keep<H: Media>(
+        &self,
+        host: &H,
+        flight: &Flight<H::Spectrum>,
+        sampler: &mut impl Sampler,
+        room: &mut Flights<H::Spectrum>,
+        mut keep: impl FnMut(Left<H::Spectrum>),
+    ) {
+        let Some(medium) = host.medium(flight.medium) else {
+            return;
+        };
+        if !self.beams || mean_free_path(medium, &flight.ray) <= FRAC_PI_2 * self.radius {
+            if let Some(photon) = photon(flight) {
+                keep(Left::Point(flight.medium, photon));
+            }
+            return;
+        }
+        let ray = &flight.ray;
+        let beam = |length: f32, flux: H::Spectrum| {
+            let shape = BeamShape {
+                origin: ray.origin,
+                direction: ray.direction,
+                length: length.min(LONGEST),
+                radii: [self.radius; 2],
+            };
+            Left::Beam(flight.medium, shape, flux)
+        };
+        let even = medium.homogeneous();
+        match (self.extent, even) {
+            (Extent::Short, _) => {
+                let reached = flight.collision.map_or(ray.t_max, |c| c.t);
+                keep(beam(reached, flight.end));
+            }
+            (Extent::Long, Some(coefficients)) => {
+                // Of the channels that scatter.
+                let least = |least: f32, c: usize| match coefficients.sigma_s.channel(c) {
+                    0.0 => least,
+                    _ => least.min(coefficients.sigma_t().channel(c)),
+                };
+                let least = (0..H::Spectrum::CHANNELS).fold(f32::INFINITY, least);
+                keep(beam(ray.t_max.min(OPAQUE / least), flight.start));
+            }
+            (Extent::Long, None) => {
+                let ray = ray.up_to(ray.t_max.min(matter_ends(medium, ray)));
+                room.fly(medium, &ray, self.flights, flight.start, sampler);
+                let ends = room.ends();
+                let farthest = ends.last().map_or(0.0, |(t, _)| t.min(ray.t_max));
+                keep(beam(farthest, flight.start));
+                for (t, transmittance) in ends {
+                    keep(Left::Reached(*t, *transmittance));
+                }
+            }
+        }
+    }
+}
+
+/// The photon of a collision, if it scatters anything.
+fn photon<S: Spectrum>(flight: &Flight<S>) -> Option<Photon<S>> {
+    let collision = flight.collision?;
+    let photon = Photon {
+        position: flight.ray.at(collision.t),
+        direction: flight.ray.direction,
+        flux: flight.end * collision.coefficients.albedo(),
+    };
+    (!photon.flux.is_black()).then_some(photon)
+}
+
+/// The mean free path where light is likely to collide first: behind one of the majorant's.
+fn mean_free_path<M: Medium>(medium: &M, ray: &Ray) -> f32 {
+    if let Some(coefficients) = medium.homogeneous() {
+        return coefficients.sigma_t().mean().recip();
+    }
+    let (mut depth, mut sigma) = (0.0, 0.0);
+    medium.majorants(ray, |stretch| {
+        if stretch.sigma_bar > 0.0 && stretch.t_max > stretch.t_min {
+            depth += stretch.sigma_bar * (stretch.t_max - stretch.t_min);
+            sigma = stretch.sigma_bar;
+        }
+        if depth < 1.0 {
+            ControlFlow::Continue(())
+        } else {
+            ControlFlow::Break(())
+        }
+    });
+    sigma.recip()
+}
+
+/// Where the ray leaves the last of the medium.
+fn matter_ends<M: Medium>(medium: &M, ray: &Ray) -> f32 {
+    let mut end = 0.0_f32;
+    medium.majorants(ray, |stretch| {
+        if stretch.sigma_bar > 0.0 {
+            end = end.max(stretch.t_max);
+        }
+        ControlFlow::Continue(())
+    });
+    end
+}
