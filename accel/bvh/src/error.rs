@@ -24,6 +24,18 @@ pub enum BuildError {
         /// The primitive.
         index: usize,
     },
+    /// The length of a direction is not 1 to 1e-3.
+    #[error("primitive {index}: its direction is not of unit length; normalize it")]
+    Direction {
+        /// The primitive.
+        index: usize,
+    },
+    /// A length is negative, NaN or infinite, or ends beyond ±1e18.
+    #[error("primitive {index}: its length is negative, not finite or ends beyond 1e18; clip it")]
+    Length {
+        /// The primitive.
+        index: usize,
+    },
     /// One radius a centre is needed.
     #[error("{radii} radii for {centers} centres; give one each")]
     Lengths {
@@ -68,6 +80,18 @@ pub enum BrokenTree {
         node: usize,
         /// The child.
         lane: usize,
+    },
+    /// The capsule of a slot, or that around its block, does not hold the piece.
+    #[error("slot {slot}: the capsules of the slot and of its block do not hold the piece")]
+    Capsule {
+        /// The slot.
+        slot: usize,
+    },
+    /// A piece of a beam is in no slot, or in two.
+    #[error("beam {beam}: its pieces are not in one slot each")]
+    Piece {
+        /// The beam.
+        beam: usize,
     },
     /// A sphere of a leaf does not hold a disc.
     #[error("slot {slot}: the sphere around its block does not hold the disc")]

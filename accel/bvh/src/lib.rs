@@ -54,6 +54,7 @@
 
 use glam::Vec3;
 
+mod beams;
 mod builder;
 mod bvh;
 mod discs;
@@ -62,6 +63,7 @@ mod meet;
 mod node;
 mod values;
 
+pub use beams::{BeamShape, Beams, Piece};
 pub use builder::Quality;
 pub use bvh::Bvh;
 pub use discs::Discs;

@@ -1,5 +1,6 @@
-//! Discs against brute force in `f64`, and trees over other boxes.
+//! Discs and beams against brute force in `f64`, and trees over other boxes.
 
+mod beams;
 mod boxes;
 mod discs;
 mod oracle;
