@@ -71,15 +71,21 @@ impl<S: Spectrum> BeamGather<S> {
         sampler: &mut impl Sampler,
     ) -> S {
         match self.rules.estimate {
-            Estimate::BeamPoint2D => self.march::<BeamPoint2D, M>(beams, medium, ray, carried, sampler),
-            Estimate::BeamPoint3D => self.march::<BeamPoint3D, M>(beams, medium, ray, carried, sampler),
+            Estimate::BeamPoint2D => {
+                self.march::<BeamPoint2D, M>(beams, medium, ray, carried, sampler)
+            }
+            Estimate::BeamPoint3D => {
+                self.march::<BeamPoint3D, M>(beams, medium, ray, carried, sampler)
+            }
             Estimate::BeamBeam2DRay => {
                 self.cross::<BeamBeam2DRay, M>(beams, medium, ray, carried, sampler)
             }
             Estimate::BeamBeam2DBeam => {
                 self.cross::<BeamBeam2DBeam, M>(beams, medium, ray, carried, sampler)
             }
-            Estimate::BeamBeam3D => self.cross::<BeamBeam3D, M>(beams, medium, ray, carried, sampler),
+            Estimate::BeamBeam3D => {
+                self.cross::<BeamBeam3D, M>(beams, medium, ray, carried, sampler)
+            }
             _ => self.cross::<BeamBeam1D, M>(beams, medium, ray, carried, sampler),
         }
     }
@@ -121,7 +127,13 @@ impl<S: Spectrum> BeamGather<S> {
         let Some(farthest) = met.iter().map(|met| met.t).reduce(f32::max) else {
             return S::default();
         };
-        self.sum(beams, medium, &ray.up_to(farthest.min(ray.t_max)), carried, sampler)
+        self.sum(
+            beams,
+            medium,
+            &ray.up_to(farthest.min(ray.t_max)),
+            carried,
+            sampler,
+        )
     }
 
     /// Σ σs p Φ Tr_e Tr_b · weight over what was met along the ray.
@@ -141,7 +153,9 @@ impl<S: Spectrum> BeamGather<S> {
             error,
         } = self;
         let even = medium.homogeneous();
-        let sight = Sight::new(rules, even, medium, ray, carried, sampler, table, flights, error);
+        let sight = Sight::new(
+            rules, even, medium, ray, carried, sampler, table, flights, error,
+        );
         let wo = -ray.direction;
         let scattered = |met: &Met| {
             let place = ray.at(met.t);
@@ -239,7 +253,11 @@ fn arriving<S: Spectrum>(
 
 /// e^−σd, 1 where nothing is met however far.
 fn attenuation(sigma: f32, distance: f32) -> f32 {
-    if sigma == 0.0 { 1.0 } else { (-sigma * distance).exp() }
+    if sigma == 0.0 {
+        1.0
+    } else {
+        (-sigma * distance).exp()
+    }
 }
 
 /// σs p at a place, for light that travels in `direction`.

@@ -63,13 +63,13 @@ impl<S: Spectrum> LightBeams<S> {
         }
         let steps = &self.steps[beam * self.steps_each..][..self.steps_each];
         let before = steps.partition_point(|(t, _)| *t <= v);
-        steps.get(before).map_or(S::default(), |(_, transmittance)| flux * *transmittance)
+        steps
+            .get(before)
+            .map_or(S::default(), |(_, transmittance)| flux * *transmittance)
     }
 
     fn bytes(&self) -> usize {
-        self.tree.bytes()
-            + size_of_val(self.flux.as_slice())
-            + size_of_val(self.steps.as_slice())
+        self.tree.bytes() + size_of_val(self.flux.as_slice()) + size_of_val(self.steps.as_slice())
     }
 }
 

@@ -67,7 +67,7 @@ impl<S: Spectrum> PhotonMaps<S> {
                 collided(vertex, flux).into_iter().for_each(keep);
             }
         })?;
-        let mut volume = VolumeLists::new(traced.media(), traced.bytes(), emission)?;
+        let mut volume = VolumeLists::new(traced.media().copied(), traced.bytes(), emission)?;
         let (surfaces, lost, media) = traced.split();
         media.for_each(|(medium, photon)| volume.push(medium, photon));
         Ok(Self {
@@ -118,8 +118,8 @@ impl<S: Spectrum> VolumeLists<S> {
     ///
     /// # Errors
     /// [`PassError::Memory`].
-    pub fn new<'a>(
-        photons: impl Iterator<Item = &'a (MediumId, Photon<S>)>,
+    pub fn new(
+        photons: impl Iterator<Item = (MediumId, Photon<S>)>,
         held: usize,
         emission: Emission,
     ) -> Result<Self, PassError> {

@@ -23,7 +23,9 @@ impl Estimator for BeamBeam1D {
         }
         let radius = pair.cone.radius(v);
         let distance = pair.lines.distance();
-        let kernel = pair.kernel.weight_1d((distance * distance) as f32, radius as f32);
+        let kernel = pair
+            .kernel
+            .weight_1d((distance * distance) as f32, radius as f32);
         let weight = f64::from(kernel) / pair.lines.sin_theta();
         (weight > 0.0).then_some(Meeting { t, v, weight })
     }

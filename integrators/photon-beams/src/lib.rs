@@ -1,0 +1,344 @@
+//! Photon beams: light paths kept as the segments that they fly, not only as the points where they
+//! collide.
+//!
+//! A ray of sight takes every beam that it passes within the beam's radius, where the two are
+//! closest; blur is over one dimension only, across both. With Φ the flux at the start of a beam, w
+//! its direction, t and v the distances along ray and beam, d between them, θ the angle,
+//!
+//! ```text
+//! L = Σ σs p(wo, −w) Φ Tr(t) Tr(v) K₁(d, r) / sin θ
+//! ```
+//!
+//! All other choices of data, query and blur are there too: [`Estimate`], and [`estimators`] for
+//! how each decides where a ray and a beam meet. Surfaces gather the photons on them, straight and
+//! through specular surfaces.
+//!
+//! ```
+//! use tyndall_photon_beams::{Estimate, PhotonBeams};
+//! let method = PhotonBeams::new().paths(20_000).radius(0.05);
+//! let other = method.estimator(Estimate::BeamBeam2DRay);
+//! # let _ = other;
+//! ```
+//!
+//! # Needs of the host
+//! [`Geometry`], [`Shading`], [`Media`] and [`LightEmission`], and a
+//! [`Sensor`](tyndall_core::Sensor) to drive it. [`PhotonBeams::sampling_lights`] needs
+//! [`LightDirect`](tyndall_core::LightDirect) too.
+//!
+//! # References
+//! - Wojciech Jarosz, Derek Nowrouzezahrai, Iman Sadeghi, Henrik Wann Jensen (2011a), "A
+//!   Comprehensive Theory of Volumetric Radiance Estimation Using Photon Points and Beams".
+//!   Deviation: what is left to integrate over after a meeting is sampled at one place, so that all
+//!   estimators are right in any medium.
+//! - Wojciech Jarosz, Derek Nowrouzezahrai, Robert Thomas, Peter-Pike Sloan, Matthias Zwicker
+//!   (2011b), "Progressive Photon Beams".
+//! - Jaroslav Křivánek et al. (2014), "Unifying Points, Beams, and Paths in Volumetric Light
+//!   Transport Simulation": long and short beams.
+#![forbid(unsafe_code)]
+
+mod beam;
+mod estimate;
+pub mod estimators;
+mod gather;
+mod pass;
+mod sight;
+
+pub use estimate::{Estimate, Extent};
+pub use pass::Pass;
+pub use tyndall_density::Kernel;
+pub use tyndall_photons::Transmittance;
+pub use tyndall_walk::{ByPhotons, BySampling};
+
+use beam::Rule;
+use gather::{BeamGather, Rules};
+use sight::Gathering;
+use std::marker::PhantomData;
+use tyndall_core::{
+    Figure, Geometry, Integrator, LightEmission, Media, PassContext, PassError, Sampler, SensorRay,
+    Shading, StateError, Streams,
+};
+use tyndall_density::{Dimension, RADII};
+use tyndall_photons::{
+    AlongRay, Emission, Gather, March, Progress, Reach, Start, Traced, ensure, radiance,
+};
+use tyndall_walk::{DirectLight, Flights, Visit};
+
+/// Photon beams. `D` says who finds light that nothing has scattered before.
+#[derive(Clone, Copy, Debug)]
+pub struct PhotonBeams<D = ByPhotons> {
+    emission: Emission,
+    progress: Progress,
+    estimate: Estimate,
+    light: Extent,
+    sight: Extent,
+    radius: f32,
+    flights: u32,
+    points: Reach,
+    surfaces: Reach,
+    kernel: Kernel,
+    transmittance: Transmittance,
+    march: March,
+    direct: PhantomData<D>,
+}
+
+impl PhotonBeams<ByPhotons> {
+    /// Photons and beams bring all light.
+    pub fn new() -> Self {
+        Self::default()
+    }
+}
+
+impl PhotonBeams<BySampling> {
+    /// Light that arrives straight from its source is sampled, at surfaces and at one point of
+    /// every segment in a medium.
+    pub fn sampling_lights() -> Self {
+        Self::default()
+    }
+}
+
+impl<D> Default for PhotonBeams<D> {
+    fn default() -> Self {
+        Self {
+            emission: Emission {
+                paths: 10_000,
+                ..Emission::default()
+            },
+            progress: Progress {
+                starting_paths: 10_000,
+                alpha: None,
+            },
+            estimate: Estimate::default(),
+            light: Extent::Long,
+            sight: Extent::Long,
+            radius: 0.05,
+            flights: 4,
+            points: Reach::nearest(30),
+            surfaces: Reach::nearest(50),
+            kernel: Kernel::default(),
+            transmittance: Transmittance::default(),
+            march: March {
+                step: 0.5,
+                min_steps: 8,
+            },
+            direct: PhantomData,
+        }
+    }
+}
+
+impl<D> PhotonBeams<D> {
+    /// Light paths a pass; 10,000 by default. Radii do not depend on it.
+    #[must_use]
+    pub fn paths(mut self, paths: u64) -> Self {
+        self.emission.paths = paths;
+        self
+    }
+
+    /// Bytes that photons and beams may take at any time of a pass; 4 GiB by default.
+    #[must_use]
+    pub fn max_bytes(mut self, bytes: u64) -> Self {
+        self.emission.max_bytes = bytes;
+        self
+    }
+
+    /// The light paths for which radii at the start are meant; 10,000 by default.
+    #[must_use]
+    pub fn starting_paths(mut self, paths: u64) -> Self {
+        self.progress.starting_paths = paths;
+        self
+    }
+
+    /// How light in media is kept, asked for and blurred; [`Estimate::BeamBeam1D`] by default.
+    #[must_use]
+    pub fn estimator(mut self, estimate: Estimate) -> Self {
+        self.estimate = estimate;
+        self
+    }
+
+    /// How far beams of light go; [`Extent::Long`] by default.
+    #[must_use]
+    pub fn light(mut self, extent: Extent) -> Self {
+        self.light = extent;
+        self
+    }
+
+    /// How far beams of sight go; [`Extent::Long`] by default.
+    #[must_use]
+    pub fn sight(mut self, extent: Extent) -> Self {
+        self.sight = extent;
+        self
+    }
+
+    /// The radius of beams at the start, in scene units.
+    #[must_use]
+    pub fn radius(mut self, radius: f32) -> Self {
+        self.radius = radius;
+        self
+    }
+
+    /// Free flights, at least 1, that estimate the transmittance of a long beam of light in media
+    /// that are not the same everywhere; 4 by default.
+    #[must_use]
+    pub fn flights(mut self, flights: u32) -> Self {
+        self.flights = flights;
+        self
+    }
+
+    /// One radius for photons in media, where no beams are kept.
+    #[must_use]
+    pub fn point_radius(mut self, radius: f32) -> Self {
+        self.points.start = Start::Radius(radius);
+        self
+    }
+
+    /// One radius for photons on surfaces, rather than that of the 50 nearest.
+    #[must_use]
+    pub fn surface_radius(mut self, radius: f32) -> Self {
+        self.surfaces.start = Start::Radius(radius);
+        self
+    }
+
+    /// The kernel; [`Kernel::Epanechnikov`] by default.
+    #[must_use]
+    pub fn kernel(mut self, kernel: Kernel) -> Self {
+        self.kernel = kernel;
+        self
+    }
+
+    /// How the transmittance of rays of sight is found where the medium is not the same everywhere.
+    #[must_use]
+    pub fn transmittance(mut self, transmittance: Transmittance) -> Self {
+        self.transmittance = transmittance;
+        self
+    }
+
+    /// How fast radii shrink from pass to pass, see [`Shrinkage`](tyndall_density::Shrinkage): in
+    /// (0, 1], and 1 keeps them. 4/(4 + d) by default, d the dimensions of the blur.
+    #[must_use]
+    pub fn alpha(mut self, alpha: f64) -> Self {
+        self.progress.alpha = Some(alpha);
+        self
+    }
+
+    fn dimension(&self) -> Dimension {
+        match self.estimate {
+            Estimate::BeamBeam1D => Dimension::One,
+            _ => Dimension::Two,
+        }
+    }
+}
+
+impl<H, D> Integrator<H> for PhotonBeams<D>
+where
+    H: Geometry + Shading + Media + LightEmission,
+    D: DirectLight<H>,
+{
+    type Pass = Pass<H::Spectrum>;
+    type Pixel = ();
+
+    fn begin_pass<R: Streams>(
+        &self,
+        host: &H,
+        cx: &PassContext<'_, R>,
+        previous: Option<Self::Pass>,
+    ) -> Result<Self::Pass, PassError> {
+        drop(previous); // its memory is wanted
+        self.transmittance.check()?;
+        self.march.check()?;
+        ensure(RADII.contains(&self.radius), || {
+            format!(
+                "`radius` of beams is {}; name one in 1e-12 to 1e12",
+                self.radius
+            )
+        })?;
+        ensure(self.flights > 0, || {
+            "`flights` of beams is 0; give 1 at least".to_owned()
+        })?;
+        let (two, bounds) = (Dimension::Two, host.bounds());
+        let beams = self
+            .progress
+            .share(self.dimension(), self.emission, cx.pass)?;
+        let share = self.progress.share(two, self.emission, cx.pass)?;
+        let volume = self
+            .points
+            .in_pass("point_", Dimension::Three, share, bounds)?;
+        let surfaces = self.surfaces.in_pass("surface_", two, share, bounds)?;
+        let rule = Rule {
+            beams: self.estimate.takes_beams(),
+            extent: self.light,
+            flights: self.flights,
+            radius: self.radius * beams.radius,
+        };
+        let traced = Traced::trace::<H, D, R>(host, cx, self.emission, |visit, sampler, keep| {
+            if let Visit::Flight(flight) = visit {
+                rule.keep(host, &flight, sampler, &mut Flights::default(), keep);
+            }
+        })?;
+        Pass::build(
+            self.emission,
+            traced,
+            self.estimate,
+            [surfaces, volume],
+            beams.radius,
+        )
+    }
+
+    fn estimate(
+        &self,
+        host: &H,
+        pass: &Self::Pass,
+        (): &mut (),
+        ray: &SensorRay<H::Spectrum>,
+        sampler: &mut impl Sampler,
+    ) -> H::Spectrum {
+        let rules = Rules {
+            estimate: self.estimate,
+            kernel: self.kernel,
+            light: self.light,
+            sight: self.sight,
+            transmittance: self.transmittance,
+            march: self.march,
+        };
+        let mut gathering = Gathering::<H, D> {
+            host,
+            pass,
+            march: self.march,
+            beams: BeamGather::new(rules),
+            discs: AlongRay::new(self.kernel, self.transmittance),
+            points: Gather::new(pass.volume, self.kernel),
+            surfaces: Gather::new(pass.search, self.kernel),
+            direct: PhantomData,
+        };
+        radiance(host, ray, &mut gathering, sampler)
+    }
+
+    fn figures(&self, pass: &Self::Pass) -> Vec<Figure> {
+        pass.figures(self.emission)
+    }
+
+    fn options(&self) -> Vec<(&'static str, String)> {
+        let mut options = self.emission.options(D::BY_PHOTONS);
+        let best = 4.0 / (4.0 + f64::from(self.dimension().number()));
+        options.extend(self.progress.options(best));
+        options.extend([
+            ("estimate", self.estimate.to_string()),
+            ("light", self.light.to_string()),
+            ("sight", self.sight.to_string()),
+            ("radius", self.radius.to_string()),
+            ("flights", self.flights.to_string()),
+            ("kernel", self.kernel.to_string()),
+        ]);
+        options.extend(
+            self.points
+                .options(["point_radius", "point_nearest", "point_max_radius"]),
+        );
+        let surfaces = ["surface_radius", "surface_nearest", "surface_max_radius"];
+        options.extend(self.surfaces.options(surfaces));
+        options.extend(self.transmittance.options());
+        options
+    }
+
+    /// Nothing: passes do not know of each other.
+    fn save_pass(&self, _: &Self::Pass, _: &mut Vec<u8>) -> Result<(), StateError> {
+        Ok(())
+    }
+}

@@ -1,0 +1,60 @@
+//! All estimators against each other and against the path tracer.
+
+use crate::{Run, fog};
+use tyndall_core::Rgb;
+use tyndall_path::Path;
+use tyndall_photon_beams::{Estimate, Extent, PhotonBeams};
+use tyndall_testkit::conformance::{lamp, view};
+use tyndall_testkit::hosts::{AnalyticHost, Interface};
+
+#[test]
+fn yard() {
+    let medium = fog(Rgb::new(0.1, 0.3, 0.05), Rgb::new(1.0, 0.5, 2.0), 0.5);
+    let host = AnalyticHost::sphere(medium, 1.0, Interface::Matched, lamp(1.0), view(1.0));
+    let run = Run {
+        passes: 200,
+        samples: 40,
+        seed: 1,
+    };
+    let path = run.measure(&host, &Path::new());
+    eprintln!("path {path:?}");
+    for estimate in Estimate::ALL {
+        for (light, sight) in [
+            (Extent::Long, Extent::Long),
+            (Extent::Short, Extent::Long),
+            (Extent::Long, Extent::Short),
+        ] {
+            if !estimate.takes_beams() && light == Extent::Short {
+                continue;
+            }
+            let radius = 0.03;
+            let method = PhotonBeams::new()
+                .paths(1000)
+                .radius(radius)
+                .point_radius(radius)
+                .estimator(estimate)
+                .light(light)
+                .sight(sight)
+                .alpha(1.0);
+            let start = std::time::Instant::now();
+            let found = Run {
+                passes: 60,
+                samples: 4,
+                seed: 2,
+            }
+            .measure(&host, &method);
+            let rows: Vec<_> = found
+                .iter()
+                .zip(&path)
+                .map(|(f, p)| {
+                    let d = f.difference(p);
+                    format!("{:+.4} ± {:.4}", d.mean / p.mean, d.standard_error / p.mean)
+                })
+                .collect();
+            eprintln!(
+                "{estimate} {light} {sight}: {rows:?} {:.1?}",
+                start.elapsed()
+            );
+        }
+    }
+}
