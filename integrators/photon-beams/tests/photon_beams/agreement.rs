@@ -12,22 +12,22 @@ fn yard() {
     let medium = fog(Rgb::new(0.1, 0.3, 0.05), Rgb::new(1.0, 0.5, 2.0), 0.5);
     let host = AnalyticHost::sphere(medium, 1.0, Interface::Matched, lamp(1.0), view(1.0));
     let run = Run {
-        passes: 200,
+        passes: 1000,
         samples: 40,
         seed: 1,
     };
     let path = run.measure(&host, &Path::new());
     eprintln!("path {path:?}");
-    for estimate in Estimate::ALL {
+    for radius in [0.03, 0.01] { for estimate in Estimate::ALL {
         for (light, sight) in [
             (Extent::Long, Extent::Long),
             (Extent::Short, Extent::Long),
             (Extent::Long, Extent::Short),
         ] {
-            if !estimate.takes_beams() && light == Extent::Short {
+            if !estimate.takes_beams() || light == Extent::Short || radius < 0.02 || sight == Extent::Short {
                 continue;
             }
-            let radius = 0.03;
+
             let method = PhotonBeams::new()
                 .paths(1000)
                 .radius(radius)
@@ -38,7 +38,7 @@ fn yard() {
                 .alpha(1.0);
             let start = std::time::Instant::now();
             let found = Run {
-                passes: 60,
+                passes: 2000,
                 samples: 4,
                 seed: 2,
             }
@@ -57,4 +57,5 @@ fn yard() {
             );
         }
     }
+}
 }
