@@ -18,44 +18,49 @@ fn yard() {
     };
     let path = run.measure(&host, &Path::new());
     eprintln!("path {path:?}");
-    for radius in [0.03, 0.01] { for estimate in Estimate::ALL {
-        for (light, sight) in [
-            (Extent::Long, Extent::Long),
-            (Extent::Short, Extent::Long),
-            (Extent::Long, Extent::Short),
-        ] {
-            if !estimate.takes_beams() || light == Extent::Short || radius < 0.02 || sight == Extent::Short {
-                continue;
-            }
+    for radius in [0.03, 0.01] {
+        for estimate in Estimate::ALL {
+            for (light, sight) in [
+                (Extent::Long, Extent::Long),
+                (Extent::Short, Extent::Long),
+                (Extent::Long, Extent::Short),
+            ] {
+                if !estimate.takes_beams()
+                    || light == Extent::Short
+                    || radius < 0.02
+                    || sight == Extent::Short
+                {
+                    continue;
+                }
 
-            let method = PhotonBeams::new()
-                .paths(1000)
-                .radius(radius)
-                .point_radius(radius)
-                .estimator(estimate)
-                .light(light)
-                .sight(sight)
-                .alpha(1.0);
-            let start = std::time::Instant::now();
-            let found = Run {
-                passes: 2000,
-                samples: 4,
-                seed: 2,
+                let method = PhotonBeams::new()
+                    .paths(1000)
+                    .radius(radius)
+                    .point_radius(radius)
+                    .estimator(estimate)
+                    .light(light)
+                    .sight(sight)
+                    .alpha(1.0);
+                let start = std::time::Instant::now();
+                let found = Run {
+                    passes: 2000,
+                    samples: 4,
+                    seed: 2,
+                }
+                .measure(&host, &method);
+                let rows: Vec<_> = found
+                    .iter()
+                    .zip(&path)
+                    .map(|(f, p)| {
+                        let d = f.difference(p);
+                        format!("{:+.4} ± {:.4}", d.mean / p.mean, d.standard_error / p.mean)
+                    })
+                    .collect();
+                eprintln!(
+                    "{estimate} {light} {sight}: {rows:?} {:.1?}",
+                    start.elapsed()
+                );
             }
-            .measure(&host, &method);
-            let rows: Vec<_> = found
-                .iter()
-                .zip(&path)
-                .map(|(f, p)| {
-                    let d = f.difference(p);
-                    format!("{:+.4} ± {:.4}", d.mean / p.mean, d.standard_error / p.mean)
-                })
-                .collect();
-            eprintln!(
-                "{estimate} {light} {sight}: {rows:?} {:.1?}",
-                start.elapsed()
-            );
         }
     }
-}
 }

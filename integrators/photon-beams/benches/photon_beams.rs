@@ -1,0 +1,104 @@
+//! Photon beams in a box of fog with a ball of glass.
+//!
+//!     RAYON_NUM_THREADS=1 cargo bench -p tyndall-photon-beams
+//!
+//! A pass of 9,000 light paths (about 50,000 beams), and rays of a picture of 320 × 180 through
+//! them; then against the number of beams.
+
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use std::hint::black_box;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+use tyndall_core::{Integrator, PassContext, Rgb, Sampler, Sensor};
+use tyndall_driver::PassStreams;
+use tyndall_photon_beams::{Estimate, Pass, PhotonBeams};
+use tyndall_scene_io::{Scene, SceneFile};
+use tyndall_testkit::rng;
+
+const WIDTH: u32 = 320;
+const PIXELS: u32 = WIDTH * 180;
+/// In a box of side 2.
+const RADIUS: f32 = 0.01;
+
+fn scene(fog: &str) -> Scene<Rgb> {
+    let text = format!(
+        r#"
+camera = {{ position = [0, 1, 3.6], look_at = [0, 1, 0], fov = 38, medium = "fog" }}
+film = {{ width = 320, height = 180 }}
+media.fog = {fog}
+materials.white = {{ kind = "diffuse", reflectance = 0.73 }}
+materials.red = {{ kind = "diffuse", reflectance = [0.63, 0.065, 0.05] }}
+materials.green = {{ kind = "diffuse", reflectance = [0.14, 0.45, 0.091] }}
+materials.glass = {{ kind = "dielectric", ior = 1.5, inside = "vacuum" }}
+shapes = [
+    {{ kind = "quad", corner = [-1, 0, 1], edge_u = [2, 0, 0], edge_v = [0, 0, -2], material = "white" }},
+    {{ kind = "quad", corner = [-1, 2, -1], edge_u = [2, 0, 0], edge_v = [0, 0, 2], material = "white" }},
+    {{ kind = "quad", corner = [-1, 0, -1], edge_u = [2, 0, 0], edge_v = [0, 2, 0], material = "white" }},
+    {{ kind = "quad", corner = [-1, 0, 1], edge_u = [0, 0, -2], edge_v = [0, 2, 0], material = "red" }},
+    {{ kind = "quad", corner = [1, 0, -1], edge_u = [0, 0, 2], edge_v = [0, 2, 0], material = "green" }},
+    {{ kind = "quad", corner = [-0.25, 1.99, -0.25], edge_u = [0.5, 0, 0], edge_v = [0, 0, 0.5], material = "white", emission = [17, 12, 6] }},
+    {{ kind = "sphere", center = [0, 0.8, 0], radius = 0.4, material = "glass" }},
+]
+"#
+    );
+    let file = SceneFile::parse(&text, Path::new("box"), &[]).expect("the scene is valid");
+    file.build().expect("the scene is valid")
+}
+
+const EVEN: &str = r#"{ kind = "homogeneous", sigma_a = 0.02, sigma_s = 0.25 }"#;
+
+fn method(paths: u64) -> PhotonBeams {
+    PhotonBeams::new().paths(paths).radius(RADIUS).alpha(1.0)
+}
+
+fn pass(host: &Scene<Rgb>, method: &PhotonBeams) -> Pass<Rgb> {
+    let (streams, running) = (PassStreams::new(1, 0), AtomicBool::new(false));
+    let cx = PassContext::new(0, &streams, &running);
+    method.begin_pass(host, &cx, None).expect("a pass")
+}
+
+/// Rays of the picture, row by row.
+#[allow(clippy::print_stdout)]
+fn gather(c: &mut Criterion, name: &str, host: &Scene<Rgb>, method: &PhotonBeams) {
+    let pass = pass(host, method);
+    let beams = pass.beams();
+    let [_, surfaces] = pass.photons();
+    let bytes = pass.bytes();
+    println!("{name}: {beams} beams, {surfaces} photons on surfaces, {bytes} bytes");
+    let (mut sampler, mut index) = (rng(1), 0);
+    let mut group = c.benchmark_group("rays");
+    group.throughput(Throughput::Elements(1));
+    group.bench_function(name, |b| {
+        b.iter(|| {
+            index = (index + 7919) % PIXELS;
+            let ray = host.sensor_ray([index % WIDTH, index / WIDTH], sampler.next());
+            black_box(method.estimate(host, &pass, &mut (), &ray, &mut sampler))
+        });
+    });
+    group.finish();
+}
+
+fn bench(c: &mut Criterion) {
+    let host = scene(EVEN);
+    let mut group = c.benchmark_group("pass");
+    group.sample_size(10);
+    for paths in [200, 2_000, 9_000, 20_000, 200_000] {
+        group.throughput(Throughput::Elements(paths));
+        group.bench_function(BenchmarkId::from_parameter(format!("{paths} paths")), |b| {
+            b.iter(|| black_box(pass(&host, &method(paths))));
+        });
+    }
+    group.finish();
+    for paths in [200, 2_000, 9_000, 20_000, 200_000] {
+        // Of media alone: surfaces are those of the other crates.
+        let method = method(paths).surface_radius(1e-5);
+        gather(c, &format!("{paths} paths"), &host, &method);
+    }
+    for estimate in Estimate::ALL {
+        let method = method(9_000).surface_radius(1e-5).point_radius(RADIUS);
+        gather(c, &estimate.to_string(), &host, &method.estimator(estimate));
+    }
+}
+
+criterion_group!(benches, bench);
+criterion_main!(benches);
