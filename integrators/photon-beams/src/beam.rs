@@ -4,9 +4,9 @@ use crate::Extent;
 use std::f32::consts::FRAC_PI_2;
 use std::ops::ControlFlow;
 use tyndall_bvh::BeamShape;
-use tyndall_core::{Media, Medium, MediumId, Ray, Sampler, Spectrum};
+use tyndall_core::{Coefficients, Media, Medium, MediumId, Ray, Sampler, Spectrum};
 use tyndall_kd_tree::Photon;
-use tyndall_walk::{Flight, Flights, OPAQUE};
+use tyndall_walk::{Flight, Flights};
 
 /// The longest beam, in scene units: its end is a place that a tree can hold.
 const LONGEST: f32 = 1e17;
@@ -73,13 +73,10 @@ impl Rule {
                 keep(beam(reached, flight.end));
             }
             (Extent::Long, Some(coefficients)) => {
-                // Of the channels that scatter.
-                let least = |least: f32, c: usize| match coefficients.sigma_s.channel(c) {
-                    0.0 => least,
-                    _ => least.min(coefficients.sigma_t().channel(c)),
-                };
-                let least = (0..H::Spectrum::CHANNELS).fold(f32::INFINITY, least);
-                keep(beam(ray.t_max.min(OPAQUE / least), flight.start));
+                let flown = Fading::new(coefficients).length(sampler.next_1d());
+                if flown > 0.0 {
+                    keep(beam(ray.t_max.min(flown), flight.start));
+                }
             }
             (Extent::Long, None) => {
                 let ray = ray.up_to(ray.t_max.min(matter_ends(medium, ray)));
@@ -92,6 +89,52 @@ impl Rule {
                 }
             }
         }
+    }
+}
+
+/// Optical depth from which on a long beam is as long as a free flight.
+const FULL: f32 = 3.0;
+
+/// How long beams fade in a homogeneous medium.
+///
+/// They would be endless: nearly all of one, and of what the tree must find room for, would be too
+/// dark to see. So each ends where a free flight does, but that it does not collide before an
+/// optical depth of 3 (of the channel that is clearest, of those that scatter), and is as much
+/// brighter behind that as fewer get there.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Fading<S> {
+    sigma_t: S,
+    /// Of the clearest channel; infinite if none scatters.
+    clearest: f32,
+    /// Where flights begin.
+    full: f32,
+}
+
+impl<S: Spectrum> Fading<S> {
+    pub(crate) fn new(coefficients: Coefficients<S>) -> Self {
+        let sigma_t = coefficients.sigma_t();
+        let least = |least: f32, c: usize| match coefficients.sigma_s.channel(c) {
+            0.0 => least,
+            _ => least.min(sigma_t.channel(c)),
+        };
+        let clearest = (0..S::CHANNELS).fold(f32::INFINITY, least);
+        Self {
+            sigma_t,
+            clearest,
+            full: FULL / clearest,
+        }
+    }
+
+    /// A length, for `u` in \[0, 1).
+    fn length(&self, u: f32) -> f32 {
+        self.full - (-u).ln_1p() / self.clearest
+    }
+
+    /// What arrives at a distance, over the flux at the start.
+    #[inline]
+    pub(crate) fn transmittance(&self, v: f32) -> S {
+        let fewer = self.clearest * (v - self.full).max(0.0);
+        self.sigma_t.map(|sigma_t| (fewer - sigma_t * v).exp())
     }
 }
 

@@ -1,5 +1,6 @@
 //! What a ray gathers of the beams that it passes.
 
+use crate::beam::Fading;
 use crate::estimators::{
     BeamBeam1D, BeamBeam2DBeam, BeamBeam2DRay, BeamBeam3D, BeamPoint2D, BeamPoint3D, Cone,
     Estimator, Meeting, Pair,
@@ -245,7 +246,7 @@ fn arriving<S: Spectrum>(
     let flux = beams.flux(met.beam, met.v);
     match even {
         Some(coefficients) if rules.light == Extent::Long => {
-            flux * coefficients.sigma_t().map(|s| attenuation(s, met.v))
+            flux * Fading::new(coefficients).transmittance(met.v)
         }
         _ => flux,
     }
