@@ -73,7 +73,7 @@ pub(super) struct Block {
     numbers: [u16; LANES],
 }
 
-/// Of distances, relative to those to the origin of the ray: 50u, of which the crate doc counts 40.
+/// Of distances, relative to those to the origin of the ray: 50u, as the crate doc counts.
 const ROUNDING: f32 = 3e-6;
 /// More than what squares lose when they underflow.
 const UNDERFLOW: f64 = 1e-18;
