@@ -99,13 +99,12 @@ impl Beams {
         let bounds: Vec<_> = pieces.par_iter().map(|id| segment(id).bounds()).collect();
         let (bvh, order) = Bvh::over(&bounds, quality)?;
         let ids: Vec<_> = order.par_iter().map(|&i| pieces[i as usize]).collect();
-        let block = |ids: &[(u32, u16)]| Block::new(ids.iter().map(|id| (segment(id), id.1)));
+        let segments = |ids: &[(u32, u16)]| ids.iter().map(segment).collect::<Vec<_>>();
+        let block = |ids: &[(u32, u16)]| Block::new(&segments(ids), |lane| ids[lane].1);
         let blocks = ids.par_chunks(LANES).map(block).collect();
         let screen = |ids: &[(u32, u16)]| {
-            let blocks = ids
-                .chunks(LANES)
-                .map(|ids| Segment::around(ids.iter().map(segment)));
-            Block::new(blocks.map(|segment| (segment, 0)))
+            let capsules: Vec<_> = segments(ids).chunks(LANES).map(Segment::around).collect();
+            Block::new(&capsules, |_| 0)
         };
         let leaves = ids.par_chunks(LEAF).map(screen).collect();
         let owners = ids.par_iter().map(|id| id.0).collect();

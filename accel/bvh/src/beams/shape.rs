@@ -2,6 +2,7 @@
 
 use crate::{BuildError, LIMIT, is_within};
 use glam::{DVec3, Vec3};
+use std::ops::RangeInclusive;
 
 /// Where a beam is: the points `origin + v·direction` for v in `[0, length)`, and what is nearer to
 /// them than a radius that grows or shrinks linearly.
@@ -41,21 +42,20 @@ impl BeamShape {
         let end = self.at(f64::from(self.length)).as_vec3();
         if !is_within(self.origin) {
             Some(BuildError::NotFinite { index })
-        } else if (self.direction.length() - 1.0).abs() <= UNIT {
-            let radii = self.radii.iter().all(|r| (0.0..=LIMIT).contains(r));
-            match self.length >= 0.0 && is_within(end) {
-                true if radii => None,
-                true => Some(BuildError::Radius { index }),
-                false => Some(BuildError::Length { index }),
-            }
-        } else {
+        } else if !UNIT.contains(&self.direction.length()) {
             Some(BuildError::Direction { index })
+        } else if !(0.0..=f32::MAX).contains(&self.length) || !is_within(end) {
+            Some(BuildError::Length { index })
+        } else if self.radii.iter().any(|r| !(0.0..=LIMIT).contains(r)) {
+            Some(BuildError::Radius { index })
+        } else {
+            None
         }
     }
 }
 
-/// How far from 1 the length of a direction may be.
-const UNIT: f32 = 1e-3;
+/// Lengths that a direction may have.
+const UNIT: RangeInclusive<f32> = 0.999..=1.001;
 
 /// A piece of a beam: its points of distances in `[start, end)`.
 ///
