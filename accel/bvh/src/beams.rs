@@ -1,89 +1,15 @@
 //! Photon beams: cones in pieces, and which of them a ray or a point comes near.
 
 mod block;
+mod shape;
 mod split;
 
-use crate::{BrokenTree, BuildError, Bvh, LANES, LEAF, LIMIT, Met, Quality, is_within};
+use crate::{BrokenTree, BuildError, Bvh, LANES, LEAF, Met, Quality};
 use block::{Block, Line, Segment};
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use rayon::prelude::*;
+pub use shape::{BeamShape, Piece};
 use tyndall_core::Ray;
-
-/// Where a beam is: the points `origin + v·direction` for v in `[0, length)`, and what is nearer to
-/// them than a radius that grows or shrinks linearly.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BeamShape {
-    /// Where it starts.
-    pub origin: Vec3,
-    /// Unit vector.
-    pub direction: Vec3,
-    /// Its length in scene units.
-    pub length: f32,
-    /// Radius at its start and at its end.
-    pub radii: [f32; 2],
-}
-
-impl BeamShape {
-    /// The point at distance `v`.
-    #[inline]
-    pub fn at(&self, v: f64) -> DVec3 {
-        self.origin.as_dvec3() + v * self.direction.as_dvec3()
-    }
-
-    /// The radius at distance `v` of a beam that has a length.
-    #[inline]
-    pub fn radius(&self, v: f64) -> f64 {
-        let [start, end] = self.radii.map(f64::from);
-        start + (end - start) * (v / f64::from(self.length))
-    }
-
-    /// Whether there is anything to meet.
-    fn has_volume(&self) -> bool {
-        self.length > 0.0 && self.radii != [0.0; 2]
-    }
-
-    fn fault(&self, index: usize) -> Option<BuildError> {
-        let end = self.at(f64::from(self.length)).as_vec3();
-        if !is_within(self.origin) {
-            Some(BuildError::NotFinite { index })
-        } else if (self.direction.length() - 1.0).abs() <= UNIT {
-            let radii = self.radii.iter().all(|r| (0.0..=LIMIT).contains(r));
-            match self.length >= 0.0 && is_within(end) {
-                true if radii => None,
-                true => Some(BuildError::Radius { index }),
-                false => Some(BuildError::Length { index }),
-            }
-        } else {
-            Some(BuildError::Direction { index })
-        }
-    }
-}
-
-/// How far from 1 the length of a direction may be.
-const UNIT: f32 = 1e-3;
-
-/// A piece of a beam: its points of distances in `[start, end)`.
-///
-/// The pieces of a beam hold every distance in `[0, length)` once: the end of one is to the bit the
-/// start of the next, the first starts at 0, and the last ends at `length`, which is no longer of
-/// the beam.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Piece {
-    /// The index of the beam, as given to [`Beams::build`].
-    pub beam: usize,
-    /// The distance where it starts.
-    pub start: f32,
-    /// The distance where it ends.
-    pub end: f32,
-}
-
-impl Piece {
-    /// Whether the place at distance `v` of its beam is in this piece.
-    #[inline]
-    pub fn holds(&self, v: f64) -> bool {
-        f64::from(self.start) <= v && v < f64::from(self.end)
-    }
-}
 
 /// Beams, long ones in pieces, so that rays and points find those which they come near.
 ///
@@ -173,13 +99,12 @@ impl Beams {
         let bounds: Vec<_> = pieces.par_iter().map(|id| segment(id).bounds()).collect();
         let (bvh, order) = Bvh::over(&bounds, quality)?;
         let ids: Vec<_> = order.par_iter().map(|&i| pieces[i as usize]).collect();
-        let block = |ids: &[(u32, u16)]| Block::new(ids.iter().map(|id| (segment(id), id.1)));
+        let segments = |ids: &[(u32, u16)]| ids.iter().map(segment).collect::<Vec<_>>();
+        let block = |ids: &[(u32, u16)]| Block::new(&segments(ids), |lane| ids[lane].1);
         let blocks = ids.par_chunks(LANES).map(block).collect();
         let screen = |ids: &[(u32, u16)]| {
-            let blocks = ids
-                .chunks(LANES)
-                .map(|ids| Segment::around(ids.iter().map(segment)));
-            Block::new(blocks.map(|segment| (segment, 0)))
+            let capsules: Vec<_> = segments(ids).chunks(LANES).map(Segment::around).collect();
+            Block::new(&capsules, |_| 0)
         };
         let leaves = ids.par_chunks(LEAF).map(screen).collect();
         let owners = ids.par_iter().map(|id| id.0).collect();

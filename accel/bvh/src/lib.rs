@@ -1,4 +1,5 @@
-//! A bounding volume hierarchy for any bounded primitive met by rays, and photon discs on it.
+//! A bounding volume hierarchy for any bounded primitive met by rays, and photon discs and photon
+//! beams on it.
 //!
 //! [`Discs`] answers the question of the beam radiance estimate: which photons' discs, turned to
 //! face a ray, does it pass through ([`Discs::along`]), or which spheres does it enter
@@ -20,6 +21,11 @@
 //! # Ok::<(), tyndall_bvh::BuildError>(())
 //! ```
 //!
+//! [`Beams`] answers that of photon beams: which of them, cylinders or cones, does a ray or a point
+//! come near ([`Beams::near`], [`Beams::around`])? Long beams are in [`Piece`]s, each of them shown
+//! once. What is met is for the caller to decide, on the whole beam and in `f64`; [`Piece::holds`]
+//! makes it be met once.
+//!
 //! # Other primitives
 //! [`Bvh`] holds boxes only: it is built from the [`Aabb`](tyndall_core::Aabb) of every primitive,
 //! gives back an order, and shows a ray the slots of that order that it may meet, by leaves of
@@ -30,12 +36,29 @@
 //! - Coordinates and radii up to 1e18 each, and radii of 1e-18 or more besides 0. What is beyond
 //!   1e18 is an error. The squares of smaller radii lose digits; below 2.6e-23 they are 0, and such
 //!   discs are never met.
-//! - Distances from and along the ray are right to 1e-6 of the distance w to its origin, wherever
-//!   the scene lies: a rim as near to the ray as that may be met or not. All else is exact, in
+//! - Of discs, distances from and along the ray are right to 1e-6 of the distance w to its origin,
+//!   wherever the scene lies: a rim as near to the ray as that may be met or not. All else is exact, in
 //!   both qualities, for rays along axes and in faces too. (With u = 2⁻²⁴, a difference of places
 //!   is right to u·w, its scalar product to 3u·w, the part across to 2u·w, and the root of the
 //!   sum of its squares, held against a square of the radius, to 2u·w more. A direction as
 //!   `normalize` gives it is of length 1 to 4u, which adds 8u·w: 16u = 9.6e-7 in all.)
+//! - No piece of a beam is missed that comes as near to a ray, or to a point, as its largest radius
+//!   r, to the last bit: at any angle, parallel too, at any place, and in the node boxes, which are
+//!   rounded to the outside. For this, r grows by 1e-18 and by 3e-6 (50u) of the distance to the
+//!   start of the piece, of twice its length, of 2r, and of the size of its block; so near, pieces
+//!   may be shown in vain. Coordinates of both ends and radii are up to 1e18.
+//! - The pieces of a beam hold each of its distances once, to the bit.
+//!
+//!   Why 50u is enough: with w the distance from the origin of the ray to the start of a piece of
+//!   length l, at a from the middle of its block. What is stored is right to u(a + l); subtracting
+//!   origins adds u(2w + a), subtracting the parts along the ray 2u(w + l): so much the places are
+//!   off. The parts along are off too, by 3u, and the direction has length 1 to 4u, so that what is
+//!   left is across the ray to 11u(w + l) only, and Pythagoras off by as much. That the two lines are
+//!   nearly parallel does no harm: the place on the piece is sought with the vectors as they came out,
+//!   whose distance depends on that place by its own sine, 8u·l + 3u·r in all. The way back from the
+//!   ray to the piece, which matters at the ends of the ray, is off by 30u·w + 18u·l. Together 45u·w,
+//!   42u·l, 2u·a and 10u·r; and w, not known when the piece is stored, is at most l and r more than
+//!   its part along the ray.
 //! - The same tree on any number of threads.
 //!
 //! # Cost
@@ -45,10 +68,21 @@
 //! cube root of their number. Memory: 23 bytes a disc, 24 in [`Quality::High`] (16 the disc, 4 its
 //! order, the rest spheres and nodes).
 //!
+//! Beams: 40 bytes a beam (its shape is 36) and 41 a piece (28 the segment and its radius, 2 its
+//! number, 2 the middle of the block, 4 its beam, 4 the capsule of the block, a half the node), with
+//! 4 pieces a beam at most on the mean. They are given such that all pieces have boxes of the same
+//! surface, as a cut saves most where boxes are largest: none to beams along axes, none shorter than
+//! a few radii. Blocks have capsules around them, not boxes: in bundles a ray tests few. Where beams
+//! get thinner as they get more, so that a ray meets the same number, its time grows with less than
+//! their number (README).
+//!
 //! # References
 //! - Jarosz, Zwicker & Jensen 2008, "The beam radiance estimate for volumetric photon mapping".
 //! - Wald 2007, "On fast construction of SAH-based bounding volume hierarchies": bins.
 //! - Wald, Benthin & Boulos 2008, "Getting rid of packets": wide nodes.
+//! - Jarosz, Nowrouzezahrai, Sadeghi & Jensen 2011, "A comprehensive theory of volumetric radiance
+//!   estimation using photon points and beams": beams, split for tight bounds.
+//! - Ericson 2005, "Real-time collision detection", 5.1.9: closest points of segments.
 //! - Ize 2013, "Robust BVH ray traversal": rounding of distances to planes.
 #![forbid(unsafe_code)]
 

@@ -14,17 +14,17 @@ pub(super) struct Segment {
 impl Segment {
     /// A capsule around segments, along their mean direction: for a bundle, much less than a box;
     /// a sphere, if they point anywhere.
-    pub(super) fn around(segments: impl Iterator<Item = Self> + Clone) -> Self {
+    pub(super) fn around(segments: &[Self]) -> Self {
         let mut axis = DVec3::ZERO;
         let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        for Self { ends: [a, b], .. } in segments.clone() {
+        for &Self { ends: [a, b], .. } in segments {
             let along = b - a;
             axis += if axis.dot(along) < 0.0 { -along } else { along };
             (min, max) = (min.min(a.min(b)), max.max(a.max(b)));
         }
         let (middle, axis) = (0.5 * (min + max), axis.normalize_or_zero());
         // How far along the axis and how far off it their ends are.
-        let ends = segments.flat_map(|Self { ends, radius }| {
+        let ends = segments.iter().flat_map(|&Self { ends, radius }| {
             ends.map(|end| {
                 let along = (end - middle).dot(axis);
                 (along, (end - middle - along * axis).length(), radius)
@@ -73,14 +73,15 @@ pub(super) struct Block {
     numbers: [u16; LANES],
 }
 
-/// Of distances, relative to those to the origin of the ray: 50u, of which the crate doc counts 40.
+/// Of distances, relative to those to the origin of the ray: 50u, as the crate doc counts.
 const ROUNDING: f32 = 3e-6;
 /// More than what squares lose when they underflow.
 const UNDERFLOW: f64 = 1e-18;
 
 impl Block {
-    pub(super) fn new(pieces: impl Iterator<Item = (Segment, u16)> + Clone) -> Self {
-        let starts = pieces.clone().map(|(piece, _)| piece.ends[0].as_vec3());
+    /// Segments, and which piece of its beam each is.
+    pub(super) fn new(segments: &[Segment], number: impl Fn(usize) -> u16) -> Self {
+        let starts = segments.iter().map(|segment| segment.ends[0].as_vec3());
         let mut block = Self {
             start: [f32x8::splat(f32::NAN); 3],
             along: [f32x8::ZERO; 3],
@@ -88,7 +89,7 @@ impl Block {
             reference: Aabb::of_points(starts).center(),
             numbers: [0; LANES],
         };
-        for (lane, (Segment { ends, radius }, number)) in pieces.enumerate() {
+        for (lane, &Segment { ends, radius }) in segments.iter().enumerate() {
             let start = ends[0] - block.reference.as_dvec3();
             let along = ends[1] - ends[0];
             for axis in 0..3 {
@@ -98,7 +99,7 @@ impl Block {
             let size = 2.0 * radius + start.length() + 2.0 * along.length();
             let reach = radius + f64::from(ROUNDING) * size + UNDERFLOW;
             block.reach.as_mut_array()[lane] = reach as f32;
-            block.numbers[lane] = number;
+            block.numbers[lane] = number(lane);
         }
         block
     }

@@ -9,8 +9,9 @@
 use super::{Beam, BeamShape};
 use rayon::prelude::*;
 
-/// Pieces a beam, on the mean, at most. With twice as many, rays through 10⁴ and 10⁵ beams are no
-/// faster, and builds and memory double.
+/// Pieces a beam, on the mean, at most. Rays through 10⁵ beams take 0.6 (directions at random) and
+/// 0.3 (a bundle) of their time through whole ones. With 8, it is the same for 10⁴ beams, 0.8 to 0.9
+/// for 10⁵ and 0.7 to 0.85 for 10⁶, but builds take twice as long, and memory is 1.8 times as much.
 const PIECES: u64 = 4;
 /// Edge of a piece in radii: with a half or twice as much, rays are no faster.
 const SHORTEST: f32 = 5.0;

@@ -24,6 +24,8 @@ fn build(shapes: &[BeamShape], quality: Quality) -> Beams {
         let mut end = 0.0;
         for piece in beams.pieces_of(index) {
             assert_eq!((piece.beam, piece.start), (index, end));
+            let [first, last] = [piece.start, piece.end].map(f64::from);
+            assert_eq!([first, last].map(|v| piece.holds(v)), [first < last, false]);
             end = piece.end;
             pieces += 1;
         }
@@ -367,6 +369,7 @@ fn places_and_radii_at_the_promised_extremes() {
     for (place, length, radius) in [
         (4e17, 5e17, 1e18),
         (1e-18, 1e-18, 1e18),
+        (1e-20, 1e-20, 1e-22),
         (1e-18, 1e-18, 1e-18),
         (1.0, 1.0, 1e-9),
         (1.0, 1e18, 1e-3),
