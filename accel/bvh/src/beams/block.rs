@@ -135,9 +135,21 @@ impl Block {
         let offset = (self.reference - line.origin).to_array().map(f32x8::splat);
         // The start from the origin of the ray, and the piece: so far along the ray, and across.
         let [x, y, z] = [0, 1, 2].map(|axis| offset[axis] + self.start[axis]);
+        let [ex, ey, ez] = self.along;
+        // No two of their points are closer than the lines are: of most pieces that is enough.
+        let [nx, ny, nz] = [dy * ez - dz * ey, dz * ex - dx * ez, dx * ey - dy * ex];
+        let triple = (x * nx + y * ny + z * nz).abs();
+        let sizes = (x.abs() + y.abs() + z.abs()) * (ex.abs() + ey.abs() + ez.abs());
+        let most = self.reach * (nx * nx + ny * ny + nz * nz).sqrt();
+        if triple
+            .simd_le(most + sizes * f32x8::splat(ROUNDING))
+            .to_bitmask()
+            == 0
+        {
+            return 0;
+        }
         let from = x * dx + y * dy + z * dz;
         let [x, y, z] = [x - from * dx, y - from * dy, z - from * dz];
-        let [ex, ey, ez] = self.along;
         let along = ex * dx + ey * dy + ez * dz;
         let [ex, ey, ez] = [ex - along * dx, ey - along * dy, ez - along * dz];
         // Where the piece is closest to the line; where the ray is closest to that; and back.
