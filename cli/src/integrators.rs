@@ -4,17 +4,19 @@ use tyndall_beam_radiance::{BeamRadiance, Blur, Transmittance};
 use tyndall_core::{AnyIntegrator, Spectrum};
 use tyndall_driver::PassStreams;
 use tyndall_path::{Path, Scattering};
+use tyndall_photon_beams::{Estimate, Extent, PhotonBeams};
 use tyndall_photon_map::PhotonMap;
 use tyndall_progressive_photon_map::{ProgressivePhotonMap, Radii};
 use tyndall_scene_io::{IntegratorConfig, PhotonConfig, Place, Scene};
 use tyndall_walk::{ByPhotons, BySampling, DirectLight};
 
 /// Names of integrators.
-pub(crate) const INTEGRATORS: [&str; 4] = [
+pub(crate) const INTEGRATORS: [&str; 5] = [
     "path",
     "photon_map",
     "progressive_photon_map",
     "beam_radiance",
+    "photon_beams",
 ];
 
 /// What is said of methods whose radii shrink from pass to pass.
@@ -44,6 +46,8 @@ pub(crate) fn integrator<S: Spectrum>(name: &str, config: &IntegratorConfig) -> 
         ("progressive_photon_map", true) => progressive::<S, BySampling>(photons),
         ("beam_radiance", false) => beam_radiance::<S, ByPhotons>(photons),
         ("beam_radiance", true) => beam_radiance::<S, BySampling>(photons),
+        ("photon_beams", false) => photon_beams::<S, ByPhotons>(photons),
+        ("photon_beams", true) => photon_beams::<S, BySampling>(photons),
         _ => return None,
     })
 }
@@ -105,11 +109,51 @@ fn beam_radiance<S: Spectrum, D: DirectLight<Scene<S>>>(config: &PhotonConfig) -
     let beams = with(beams, config.kernel, BeamRadiance::kernel);
     let balls = (config.blur == Some(3)).then_some(Blur::Ball);
     let beams = with(beams, balls, BeamRadiance::blur);
-    let transmittance = config.tracking.map(|tracking| match tracking {
+    let transmittance = transmittance(config);
+    Box::new(with(beams, transmittance, BeamRadiance::transmittance))
+}
+
+fn photon_beams<S: Spectrum, D: DirectLight<Scene<S>>>(config: &PhotonConfig) -> Boxed<S> {
+    let extent = |short| if short { Extent::Short } else { Extent::Long };
+    let estimate = |name| Estimate::ALL.into_iter().find(|e| e.to_string() == name);
+    let beams = PhotonBeams::<D>::default();
+    let beams = with(beams, config.paths, PhotonBeams::paths);
+    let beams = with(beams, bytes(config), PhotonBeams::max_bytes);
+    let estimate = config.estimator.and_then(estimate);
+    let beams = with(beams, estimate, PhotonBeams::estimator);
+    let beams = with(beams, config.beam_radius, PhotonBeams::beam_radius);
+    let light = config.short_light_beams.map(extent);
+    let beams = with(beams, light, PhotonBeams::light_beams);
+    let sight = config.short_sight_beams.map(extent);
+    let beams = with(beams, sight, PhotonBeams::sight_beams);
+    let beams = with(beams, config.flights, PhotonBeams::flights);
+    let beams = with(beams, config.nearest, |beams, count| {
+        beams.nearest(count).surface_nearest(count)
+    });
+    let beams = with(beams, config.max_radius, |beams, radius| {
+        beams.max_radius(radius).surface_max_radius(radius)
+    });
+    let beams = with(beams, config.radius, |beams, radius| {
+        beams.radius(radius).surface_radius(radius)
+    });
+    let beams = with(beams, config.surface_nearest, PhotonBeams::surface_nearest);
+    let beams = with(
+        beams,
+        config.surface_max_radius,
+        PhotonBeams::surface_max_radius,
+    );
+    let beams = with(beams, config.surface_radius, PhotonBeams::surface_radius);
+    let beams = with(beams, config.alpha, PhotonBeams::alpha);
+    let beams = with(beams, config.kernel, PhotonBeams::kernel);
+    let transmittance = transmittance(config);
+    Box::new(with(beams, transmittance, PhotonBeams::transmittance))
+}
+
+fn transmittance(config: &PhotonConfig) -> Option<Transmittance> {
+    config.tracking.map(|tracking| match tracking {
         true => Transmittance::Tracking { flights: FLIGHTS },
         false => Transmittance::default(),
-    });
-    Box::new(with(beams, transmittance, BeamRadiance::transmittance))
+    })
 }
 
 fn bytes(config: &PhotonConfig) -> Option<u64> {

@@ -107,6 +107,19 @@ fn a_picture_can_be_rendered_again_from_what_it_says() {
                 ("memory", "100"),
             ],
         ),
+        ("photon_beams", vec![few]),
+        (
+            "photon_beams",
+            vec![
+                few,
+                ("beam_radius", "0.07"),
+                ("estimator", "beam_beam_2d_ray"),
+                ("light_beams", "short"),
+                ("sight_beams", "short"),
+                ("radius", "0.1"),
+                ("surface_nearest", "40"),
+            ],
+        ),
     ] {
         let first = render(&folder, &scene, "a.exr", integrator, &integrator_set(&set));
         let options = options_in(&first);

@@ -48,7 +48,10 @@ shapes = [
 const EVEN: &str = r#"{ kind = "homogeneous", sigma_a = 0.02, sigma_s = 0.25 }"#;
 
 fn method(paths: u64) -> PhotonBeams {
-    PhotonBeams::new().paths(paths).radius(RADIUS).alpha(1.0)
+    PhotonBeams::new()
+        .paths(paths)
+        .beam_radius(RADIUS)
+        .alpha(1.0)
 }
 
 fn pass(host: &Scene<Rgb>, method: &PhotonBeams) -> Pass<Rgb> {
@@ -95,7 +98,7 @@ fn bench(c: &mut Criterion) {
         gather(c, &format!("{paths} paths"), &host, &method);
     }
     for estimate in Estimate::ALL {
-        let method = method(9_000).surface_radius(1e-5).point_radius(RADIUS);
+        let method = method(9_000).surface_radius(1e-5).radius(RADIUS);
         gather(c, &estimate.to_string(), &host, &method.estimator(estimate));
     }
 }

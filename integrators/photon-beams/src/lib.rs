@@ -15,7 +15,7 @@
 //!
 //! ```
 //! use tyndall_photon_beams::{Estimate, PhotonBeams};
-//! let method = PhotonBeams::new().paths(20_000).radius(0.05);
+//! let method = PhotonBeams::new().paths(20_000).beam_radius(0.05);
 //! let other = method.estimator(Estimate::BeamBeam2DRay);
 //! # let _ = other;
 //! ```
@@ -54,8 +54,8 @@ use gather::{BeamGather, Rules};
 use sight::Gathering;
 use std::marker::PhantomData;
 use tyndall_core::{
-    Figure, Geometry, Integrator, LightEmission, Media, PassContext, PassError, Sampler, SensorRay,
-    Shading, StateError, Streams,
+    Aabb, Figure, Geometry, Integrator, LightEmission, Media, PassContext, PassError, Sampler,
+    SensorRay, Shading, StateError, Streams,
 };
 use tyndall_density::{Dimension, RADII};
 use tyndall_photons::{
@@ -71,9 +71,9 @@ pub struct PhotonBeams<D = ByPhotons> {
     estimate: Estimate,
     light: Extent,
     sight: Extent,
-    radius: f32,
+    beam_radius: Option<f32>,
     flights: u32,
-    points: Reach,
+    volume: Reach,
     surfaces: Reach,
     kernel: Kernel,
     transmittance: Transmittance,
@@ -110,9 +110,9 @@ impl<D> Default for PhotonBeams<D> {
             estimate: Estimate::default(),
             light: Extent::Long,
             sight: Extent::Long,
-            radius: 0.05,
+            beam_radius: None,
             flights: 4,
-            points: Reach::nearest(30),
+            volume: Reach::nearest(30),
             surfaces: Reach::nearest(50),
             kernel: Kernel::default(),
             transmittance: Transmittance::default(),
@@ -156,22 +156,23 @@ impl<D> PhotonBeams<D> {
 
     /// How far beams of light go; [`Extent::Long`] by default.
     #[must_use]
-    pub fn light(mut self, extent: Extent) -> Self {
+    pub fn light_beams(mut self, extent: Extent) -> Self {
         self.light = extent;
         self
     }
 
     /// How far beams of sight go; [`Extent::Long`] by default.
     #[must_use]
-    pub fn sight(mut self, extent: Extent) -> Self {
+    pub fn sight_beams(mut self, extent: Extent) -> Self {
         self.sight = extent;
         self
     }
 
-    /// The radius of beams at the start, in scene units.
+    /// The radius of beams at the start, in scene units. Without it, a two-hundredth of the diagonal
+    /// of the host's bounds.
     #[must_use]
-    pub fn radius(mut self, radius: f32) -> Self {
-        self.radius = radius;
+    pub fn beam_radius(mut self, radius: f32) -> Self {
+        self.beam_radius = Some(radius);
         self
     }
 
@@ -183,14 +184,43 @@ impl<D> PhotonBeams<D> {
         self
     }
 
-    /// One radius for photons in media, where no beams are kept.
+    /// The radius of a photon in a medium, where no beams are kept, reaches to its so many-th nearest
+    /// other among those of [`PhotonBeams::starting_paths`]; 30 by default.
     #[must_use]
-    pub fn point_radius(mut self, radius: f32) -> Self {
-        self.points.start = Start::Radius(radius);
+    pub fn nearest(mut self, photons: usize) -> Self {
+        self.volume.start = Start::Nearest(photons);
         self
     }
 
-    /// One radius for photons on surfaces, rather than that of the 50 nearest.
+    /// But it is not larger than this at the start, in scene units: see [`Reach::max_radius`].
+    #[must_use]
+    pub fn max_radius(mut self, radius: f32) -> Self {
+        self.volume.max_radius = Some(radius);
+        self
+    }
+
+    /// One radius for all photons in media.
+    #[must_use]
+    pub fn radius(mut self, radius: f32) -> Self {
+        self.volume.start = Start::Radius(radius);
+        self
+    }
+
+    /// As [`PhotonBeams::nearest`] around points of surfaces; 50 by default.
+    #[must_use]
+    pub fn surface_nearest(mut self, photons: usize) -> Self {
+        self.surfaces.start = Start::Nearest(photons);
+        self
+    }
+
+    /// As [`PhotonBeams::max_radius`] on surfaces.
+    #[must_use]
+    pub fn surface_max_radius(mut self, radius: f32) -> Self {
+        self.surfaces.max_radius = Some(radius);
+        self
+    }
+
+    /// As [`PhotonBeams::radius`] on surfaces.
     #[must_use]
     pub fn surface_radius(mut self, radius: f32) -> Self {
         self.surfaces.start = Start::Radius(radius);
@@ -219,6 +249,17 @@ impl<D> PhotonBeams<D> {
         self
     }
 
+    /// Of beams, over which the radii of passes are.
+    fn starting_radius(&self, bounds: Aabb) -> Result<f32, PassError> {
+        let diagonal = (bounds.max - bounds.min).length();
+        let radius = self.beam_radius.unwrap_or(diagonal / 200.0);
+        ensure(
+            !self.estimate.takes_beams() || RADII.contains(&radius),
+            || format!("`beam_radius` is {radius}; name one in 1e-12 to 1e12 scene units"),
+        )?;
+        Ok(radius)
+    }
+
     fn dimension(&self) -> Dimension {
         match self.estimate {
             Estimate::BeamBeam1D => Dimension::One,
@@ -244,12 +285,6 @@ where
         drop(previous); // its memory is wanted
         self.transmittance.check()?;
         self.march.check()?;
-        ensure(RADII.contains(&self.radius), || {
-            format!(
-                "`radius` of beams is {}; name one in 1e-12 to 1e12",
-                self.radius
-            )
-        })?;
         ensure(self.flights > 0, || {
             "`flights` of beams is 0; give 1 at least".to_owned()
         })?;
@@ -258,15 +293,13 @@ where
             .progress
             .share(self.dimension(), self.emission, cx.pass)?;
         let share = self.progress.share(two, self.emission, cx.pass)?;
-        let volume = self
-            .points
-            .in_pass("point_", Dimension::Three, share, bounds)?;
+        let volume = (self.volume).in_pass("", Dimension::Three, share, bounds)?;
         let surfaces = self.surfaces.in_pass("surface_", two, share, bounds)?;
         let rule = Rule {
             beams: self.estimate.takes_beams(),
             extent: self.light,
             flights: self.flights,
-            radius: self.radius * beams.radius,
+            radius: self.starting_radius(bounds)? * beams.radius,
         };
         let traced = Traced::trace::<H, D, R>(host, cx, self.emission, |visit, sampler, keep| {
             if let Visit::Flight(flight) = visit {
@@ -320,17 +353,17 @@ where
         let best = 4.0 / (4.0 + f64::from(self.dimension().number()));
         options.extend(self.progress.options(best));
         options.extend([
-            ("estimate", self.estimate.to_string()),
-            ("light", self.light.to_string()),
-            ("sight", self.sight.to_string()),
-            ("radius", self.radius.to_string()),
+            ("estimator", self.estimate.to_string()),
+            ("light_beams", self.light.to_string()),
+            ("sight_beams", self.sight.to_string()),
             ("flights", self.flights.to_string()),
             ("kernel", self.kernel.to_string()),
         ]);
-        options.extend(
-            self.points
-                .options(["point_radius", "point_nearest", "point_max_radius"]),
-        );
+        let radius = self
+            .beam_radius
+            .map(|radius| ("beam_radius", radius.to_string()));
+        options.extend(radius);
+        options.extend(self.volume.options(["radius", "nearest", "max_radius"]));
         let surfaces = ["surface_radius", "surface_nearest", "surface_max_radius"];
         options.extend(self.surfaces.options(surfaces));
         options.extend(self.transmittance.options());

@@ -68,7 +68,30 @@ pub struct PhotonConfig {
     pub blur: Option<u8>,
     /// Whether transmittance along a ray is found by flights, or by a table.
     pub tracking: Option<bool>,
+    /// How photon beams are estimated: one of [`ESTIMATORS`].
+    pub estimator: Option<&'static str>,
+    /// The (starting) radius of photon beams, in scene units.
+    pub beam_radius: Option<f32>,
+    /// Whether photon beams end where light collides.
+    pub short_light_beams: Option<bool>,
+    /// Whether beams of sight end where they would collide.
+    pub short_sight_beams: Option<bool>,
+    /// Free flights along a long photon beam in media that vary.
+    pub flights: Option<u32>,
 }
+
+/// Estimators of photon points and beams: data, query and the dimensions of the blur.
+pub const ESTIMATORS: [&str; 9] = [
+    "point_point_3d",
+    "point_beam_2d",
+    "point_beam_3d",
+    "beam_point_2d",
+    "beam_point_3d",
+    "beam_beam_1d",
+    "beam_beam_2d_ray",
+    "beam_beam_2d_beam",
+    "beam_beam_3d",
+];
 
 /// The smoothing kernels.
 const KERNELS: [Kernel; 5] = [
@@ -167,6 +190,7 @@ fn read_photons(table: &Table<'_>) -> Result<PhotonConfig, Error> {
         field.map(|field| field.boolean()).transpose()
     };
     let kernels = KERNELS.map(|kernel| kernel.to_string());
+    let beam_radius = table.optional("beam_radius");
     Ok(PhotonConfig {
         paths: count(table, "paths", 1, 1 << 32)?,
         memory: count(table, "memory", 1, 1 << 40)?,
@@ -183,6 +207,11 @@ fn read_photons(table: &Table<'_>) -> Result<PhotonConfig, Error> {
         statistics: truth("statistics")?,
         blur: count(table, "blur", 2, 3)?.map(|n| n as u8),
         tracking: chosen("transmittance", &["table", "tracking"])?.map(|i| i == 1),
+        estimator: chosen("estimator", &ESTIMATORS)?.map(|i| ESTIMATORS[i]),
+        beam_radius: beam_radius.map(|field| field.positive()).transpose()?,
+        short_light_beams: chosen("light_beams", &["long", "short"])?.map(|i| i == 1),
+        short_sight_beams: chosen("sight_beams", &["long", "short"])?.map(|i| i == 1),
+        flights: count(table, "flights", 1, 1 << 10)?.map(|n| n as u32),
     })
 }
 

@@ -35,11 +35,11 @@ fn yard() {
 
                 let method = PhotonBeams::new()
                     .paths(1000)
+                    .beam_radius(radius)
                     .radius(radius)
-                    .point_radius(radius)
                     .estimator(estimate)
-                    .light(light)
-                    .sight(sight)
+                    .light_beams(light)
+                    .sight_beams(sight)
                     .alpha(1.0);
                 let start = std::time::Instant::now();
                 let found = Run {
