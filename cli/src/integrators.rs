@@ -126,7 +126,7 @@ fn photon_beams<S: Spectrum, D: DirectLight<Scene<S>>>(config: &PhotonConfig) ->
     let beams = with(beams, light, PhotonBeams::light_beams);
     let sight = config.short_sight_beams.map(extent);
     let beams = with(beams, sight, PhotonBeams::sight_beams);
-    let beams = with(beams, config.flights, PhotonBeams::flights);
+    let beams = with(beams, config.light_flights, PhotonBeams::light_flights);
     let beams = with(beams, config.nearest, |beams, count| {
         beams.nearest(count).surface_nearest(count)
     });

@@ -115,6 +115,8 @@ fn a_picture_can_be_rendered_again_from_what_it_says() {
                 ("beam_radius", "0.07"),
                 ("estimator", "beam_beam_2d_ray"),
                 ("light_beams", "short"),
+                ("light_flights", "2"),
+                ("alpha", "0.7"),
                 ("sight_beams", "short"),
                 ("radius", "0.1"),
                 ("surface_nearest", "40"),

@@ -77,7 +77,7 @@ pub struct PhotonConfig {
     /// Whether beams of sight end where they would collide.
     pub short_sight_beams: Option<bool>,
     /// Free flights along a long photon beam in media that vary.
-    pub flights: Option<u32>,
+    pub light_flights: Option<u32>,
 }
 
 /// Estimators of photon points and beams: data, query and the dimensions of the blur.
@@ -211,7 +211,7 @@ fn read_photons(table: &Table<'_>) -> Result<PhotonConfig, Error> {
         beam_radius: beam_radius.map(|field| field.positive()).transpose()?,
         short_light_beams: chosen("light_beams", &["long", "short"])?.map(|i| i == 1),
         short_sight_beams: chosen("sight_beams", &["long", "short"])?.map(|i| i == 1),
-        flights: count(table, "flights", 1, 1 << 10)?.map(|n| n as u32),
+        light_flights: count(table, "light_flights", 1, 1 << 10)?.map(|n| n as u32),
     })
 }
 
