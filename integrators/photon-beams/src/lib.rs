@@ -25,6 +25,24 @@
 //! [`Sensor`](tyndall_core::Sensor) to drive it. [`PhotonBeams::sampling_lights`] needs
 //! [`LightDirect`](tyndall_core::LightDirect) too.
 //!
+//! # Bias and variance
+//! A radius blurs light over it, in one dimension ∝ r², and ∝ r within it of the boundary of a
+//! medium. With the default α the squared error falls fastest with passes. Beams that are met at an
+//! angle of sine below 0.1 are handed over to two dimensions, all of them below 0.03.
+//!
+//! Where the mean free path is no longer than πr/2, photons are the better estimator, and are kept
+//! instead: whether a flight leaves a beam or a photon depends on where it starts and goes, never
+//! on how far it gets, so that the split is unbiased.
+//!
+//! # What it does not handle
+//! Beams have one radius, wherever they are: photon differentials and nearest neighbours are not
+//! there yet.
+//!
+//! # Cost
+//! Linear in light paths; a ray costs what it meets, and the pieces of beams near to it. A beam of
+//! three channels takes 52 bytes and 41 a piece, of which it has four at most on the mean; in media
+//! that vary 16 more for each flight along it. [`Pass::bytes`] tells.
+//!
 //! # References
 //! - Wojciech Jarosz, Derek Nowrouzezahrai, Iman Sadeghi, Henrik Wann Jensen (2011a), "A
 //!   Comprehensive Theory of Volumetric Radiance Estimation Using Photon Points and Beams".
