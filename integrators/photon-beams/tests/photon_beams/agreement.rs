@@ -59,7 +59,7 @@ fn all_estimators_and_the_path_tracer(tier: Tier) {
         seed: 2,
     };
     let found = Estimate::ALL.map(|estimate| {
-        let at = |radius: f32| run.means(&host, &fixed(estimate, radius).paths(2_500));
+        let at = |radius: f32| run.means(&host, &fixed(estimate, radius).paths(2_000));
         let (wide, narrow) = (at(wide), at(0.5 * wide));
         let gone = (0..3).map(|c| difference(&wide[c], &narrow[c])).collect();
         let name = estimate.to_string();

@@ -59,18 +59,18 @@ fn haze<S: Spectrum>(scale: f32, g: f32) -> Homogeneous<S> {
 
 integrator_conformance! {
     name: one_dimension,
-    integrator: OfDiagonal(PhotonBeams::new().paths(500), 0.02),
+    integrator: OfDiagonal(PhotonBeams::new().paths(300), 0.02),
     host: |scale: f32| AnalyticHost::furnace(haze::<Rgb>(scale, 0.5), scale, Interface::Matched, view(scale)),
 }
 
 integrator_conformance! {
     name: two_dimensions_behind_glass,
-    integrator: OfDiagonal(PhotonBeams::new().estimator(Estimate::BeamBeam2DRay).paths(500), 0.02),
+    integrator: OfDiagonal(PhotonBeams::new().estimator(Estimate::BeamBeam2DRay).paths(300), 0.02),
     host: |scale: f32| AnalyticHost::furnace(haze::<f32>(scale, -0.3), scale, Interface::Dielectric(1.4), view(scale)),
 }
 
 integrator_conformance! {
     name: lights_sampled,
-    integrator: OfDiagonal(PhotonBeams::sampling_lights().paths(500), 0.02),
+    integrator: OfDiagonal(PhotonBeams::sampling_lights().paths(300), 0.02),
     host: |scale: f32| AnalyticHost::sphere(haze::<Rgb>(scale, 0.7), scale, Interface::Matched, lamp(scale), view(scale)),
 }
