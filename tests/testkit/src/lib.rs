@@ -3,7 +3,8 @@
 //! - Who writes a *host* (an adapter for a renderer) calls [`host_conformance!`] on it.
 //! - Who writes an *integrator* calls [`integrator_conformance!`], then lets it [`measure`] an
 //!   [`hosts::AnalyticHost`] and holds the result against [`closed_form`] by
-//!   [`stats::assert_mean`].
+//!   [`stats::assert_mean`]. If samples of a pass share photons, [`Run`] has errors of passes,
+//!   and [`in_both_tiers!`] a short and a long test of each thing.
 //! - Who writes a sampler tests it by [`stats::chi2_sphere`] or [`stats::kolmogorov_smirnov`].
 //!
 //! Every statistical test takes or states its false-alarm rate; tolerances come from standard
@@ -14,9 +15,13 @@ pub mod closed_form;
 pub mod conformance;
 pub mod hosts;
 mod measure;
+mod passes;
 mod quadrature;
 mod rng;
 pub mod stats;
+mod tier;
 
 pub use measure::{measure, measure_mean};
+pub use passes::{RadianceAlong, Run};
 pub use rng::{TestSampler, rng};
+pub use tier::Tier;

@@ -7,7 +7,7 @@
 //!
 //! | question | test |
 //! |---|---|
-//! | is this mean the closed form? | [`assert_mean`], [`check_mean`], [`check_means`] for many |
+//! | is this mean the closed form? | [`assert_mean`], [`check_mean`], [`check_means`] and [`Figures`] for many |
 //! | do two estimates agree? | [`Estimate::difference`], then [`check_mean`] against 0 |
 //! | do two images agree? | [`z_test_images`] |
 //! | do samples follow this density of directions? | [`chi2_sphere`] |
@@ -18,6 +18,7 @@
 //! the power with its standard error.
 
 mod chi2;
+mod figures;
 mod image;
 mod kolmogorov;
 mod mean;
@@ -25,9 +26,12 @@ mod slope;
 mod sphere;
 
 pub use chi2::chi2_test;
+pub use figures::Figures;
 pub use image::{ImageComparison, ImageEstimate, compare_images, z_test_images};
 pub use kolmogorov::kolmogorov_smirnov;
-pub use mean::{Estimate, Moments, ROUNDING, assert_mean, check_mean, check_means, p_value};
+pub use mean::{
+    Estimate, Moments, ROUNDING, assert_mean, check_mean, check_means, extrapolated, p_value,
+};
 pub use slope::{Slope, log_log_slope, rmse};
 pub use sphere::chi2_sphere;
 pub(crate) use sphere::integral_near;

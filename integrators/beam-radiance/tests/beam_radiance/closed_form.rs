@@ -1,6 +1,6 @@
 //! Light in closed form.
 
-use crate::{Figures, Run, Tier, extrapolated, fixed, fog, in_both_tiers, scaled};
+use crate::{FALSE_ALARM, fixed, fog};
 use glam::Vec3;
 use std::f64::consts::PI;
 use tyndall_beam_radiance::{BeamRadiance, Blur};
@@ -13,6 +13,8 @@ use tyndall_testkit::closed_form::{
 use tyndall_testkit::hosts::{AnalyticHost, Exitant, Interface, Laser, View};
 use tyndall_testkit::rng;
 use tyndall_testkit::stats::{Estimate, Moments};
+use tyndall_testkit::stats::{Figures, extrapolated};
+use tyndall_testkit::{Run, Tier, in_both_tiers};
 
 /// What scatters so rarely that twice is never: single scattering is in closed form.
 const RARELY: f32 = 1e-4;
@@ -81,14 +83,14 @@ fn the_row_sum_of_a_laser_for_any_radius(tier: Tier) {
                             over_ball(sigma_t * radius * ((1.0 + cosine) / sine).hypot(1.0))
                         }
                     };
-                    let sum = scaled(mean, f64::from(2.0 * laser.half_width));
+                    let sum = mean.scaled(f64::from(2.0 * laser.half_width));
                     let name = format!("{blur:?} {radius} cos θ {cos_theta} channel {c}");
                     figures.add(name, sum, row(0.1) * blurred, tier.precision(0.045));
                 }
             }
         }
     }
-    figures.check();
+    figures.check(FALSE_ALARM);
 }
 
 /// The difference of two airlights, one from where the ray starts and one from where it ends.
@@ -124,7 +126,7 @@ fn airlight_of_a_point_light_and_its_bias(tier: Tier) {
         let without = extrapolated(small, large, 2);
         figures.add(format!("{blur:?}"), without, expected, tier.precision(0.06));
     }
-    figures.check();
+    figures.check(FALSE_ALARM);
 }
 
 fn fluence_of_a_point_light(tier: Tier) {
@@ -151,7 +153,7 @@ fn fluence_of_a_point_light(tier: Tier) {
             tier.precision(0.045),
         );
     }
-    figures.check();
+    figures.check(FALSE_ALARM);
 }
 
 /// From around the middle of a ball: rays leave it almost straight.
@@ -212,7 +214,7 @@ fn the_furnace_is_white_away_from_the_boundary(tier: Tier) {
             }
         }
     }
-    figures.check();
+    figures.check(FALSE_ALARM);
 }
 
 /// Reflectance or diffuse transmittance of a slab. A wide beam and a point that measures are the
@@ -272,7 +274,7 @@ fn reflectance_and_transmittance_of_slabs(tier: Tier) {
             );
         }
     }
-    figures.check();
+    figures.check(FALSE_ALARM);
 }
 
 #[test]
@@ -295,5 +297,5 @@ fn sampled_light_is_counted_once() {
     for (c, (a, b)) in by_photons.iter().zip(by_samples).enumerate() {
         figures.same(format!("channel {c}"), *a, b, 0.012);
     }
-    figures.check();
+    figures.check(FALSE_ALARM);
 }

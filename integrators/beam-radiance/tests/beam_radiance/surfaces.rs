@@ -1,11 +1,13 @@
 //! Photons on surfaces, and caustics.
 
-use crate::{Figures, Run, Tier, in_both_tiers};
+use crate::FALSE_ALARM;
 use std::f64::consts::PI;
 use std::path::Path;
 use tyndall_beam_radiance::BeamRadiance;
 use tyndall_core::Rgb;
 use tyndall_scene_io::{Scene, SceneFile};
+use tyndall_testkit::stats::Figures;
+use tyndall_testkit::{Run, Tier, in_both_tiers};
 
 const REFLECTANCE: [f64; 3] = [0.5, 0.2, 0.8];
 const SIGMA_A: [f64; 3] = [0.1, 0.2, 0.4];
@@ -92,7 +94,7 @@ fn a_floor_under_a_lamp(tier: Tier) {
             );
         }
     }
-    figures.check();
+    figures.check(FALSE_ALARM);
     // Sampled, nothing blurs it and nothing is left to chance but where the ray falls.
     let sampled = BeamRadiance::sampling_lights().paths(10);
     let run = Run {
@@ -158,7 +160,7 @@ fn a_caustic_under_a_pane(tier: Tier) {
             );
         }
     }
-    figures.check();
+    figures.check(FALSE_ALARM);
 }
 
 fn an_integrating_sphere(tier: Tier) {
@@ -208,5 +210,5 @@ fn an_integrating_sphere(tier: Tier) {
             figures.add(name, mean, expected(c), tier.precision(0.04));
         }
     }
-    figures.check();
+    figures.check(FALSE_ALARM);
 }

@@ -2,6 +2,7 @@
 
 mod exponential;
 mod kernel;
+mod lines;
 mod medium;
 mod schedule;
 mod statistics;

@@ -2,61 +2,26 @@
 //! [`FALSE_ALARM`] each.
 
 mod agreement;
+mod closed_form;
+mod conformance;
+mod extremes;
+mod heterogeneous;
+mod progressive;
 
-use std::sync::atomic::AtomicBool;
-use tyndall_core::{Coefficients, Integrator, PassContext, Sampler, Sensor, Spectrum};
-use tyndall_driver::PassStreams;
+use tyndall_core::{Coefficients, Spectrum};
 use tyndall_media::{Homogeneous, Phase};
-use tyndall_testkit::rng;
-use tyndall_testkit::stats::{Estimate, Moments};
+use tyndall_photon_beams::{Estimate, PhotonBeams};
 
 const FALSE_ALARM: f64 = 1e-4;
 
-/// What an integrator sees of a host: its passes, and in each so many samples a pixel.
-#[derive(Clone, Copy)]
-struct Run {
-    passes: u64,
-    samples: u32,
-    seed: u64,
-}
-
-impl Run {
-    /// The mean over all pixels, per channel. What is independent is a pass: its samples share
-    /// their photons.
-    fn measure<H: Sensor, I: Integrator<H>>(self, host: &H, integrator: &I) -> Vec<Estimate> {
-        let mut moments = vec![Moments::new(); H::Spectrum::CHANNELS];
-        let [width, height] = host.resolution();
-        for pass in 0..self.passes {
-            let (streams, running) = (PassStreams::new(self.seed, pass), AtomicBool::new(false));
-            let cx = PassContext::new(pass, &streams, &running);
-            let prepared = integrator.begin_pass(host, &cx, None).expect("a pass");
-            let mut sampler = rng(self.seed << 32 | pass);
-            let mut sum = H::Spectrum::default();
-            for y in 0..height {
-                for x in 0..width {
-                    for _ in 0..self.samples {
-                        let ray = host.sensor_ray([x, y], sampler.next());
-                        let pixel = &mut Default::default();
-                        let found = Integrator::estimate(
-                            integrator,
-                            host,
-                            &prepared,
-                            pixel,
-                            &ray,
-                            &mut sampler,
-                        );
-                        assert!(found.is_finite(), "{found:?} along {ray:?}");
-                        sum += found * ray.weight;
-                    }
-                }
-            }
-            let mean = sum / (width * height * self.samples) as f32;
-            for (c, moments) in moments.iter_mut().enumerate() {
-                moments.push(f64::from(mean.channel(c)));
-            }
-        }
-        moments.iter().map(Moments::estimate).collect()
-    }
+/// Radii that do not shrink, the same for beams and for photons: what is expected is known.
+fn fixed(estimate: Estimate, radius: f32) -> PhotonBeams {
+    PhotonBeams::new()
+        .estimator(estimate)
+        .beam_radius(radius)
+        .radius(radius)
+        .surface_radius(radius)
+        .alpha(1.0)
 }
 
 fn fog<S: Spectrum>(sigma_a: S, sigma_s: S, g: f32) -> Homogeneous<S> {
@@ -65,9 +30,12 @@ fn fog<S: Spectrum>(sigma_a: S, sigma_s: S, g: f32) -> Homogeneous<S> {
         sigma_s,
         emission: S::default(),
     };
-    let phase = match g {
+    Homogeneous::new(coefficients, phase(g)).expect("valid coefficients")
+}
+
+fn phase(g: f32) -> Phase {
+    match g {
         0.0 => Phase::Isotropic,
         g => Phase::henyey_greenstein(g).expect("a valid mean cosine"),
-    };
-    Homogeneous::new(coefficients, phase).expect("valid coefficients")
+    }
 }

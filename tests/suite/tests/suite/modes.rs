@@ -3,6 +3,7 @@
 use tyndall_beam_radiance::{BeamRadiance, Blur, Transmittance};
 use tyndall_core::{AnyIntegrator, Rgb};
 use tyndall_driver::PassStreams;
+use tyndall_photon_beams::{Estimate, PhotonBeams};
 use tyndall_photon_map::PhotonMap;
 use tyndall_progressive_photon_map::{ProgressivePhotonMap, Radii};
 use tyndall_scene_io::Scene;
@@ -150,5 +151,24 @@ pub(crate) const BEAMS_TRACKING_BALLS: Mode = mode(
         let tracking = Transmittance::Tracking { flights: 2 };
         let beams = beams(BeamRadiance::sampling_lights(), scale, paths).blur(Blur::Ball);
         Box::new(beams.transmittance(tracking))
+    },
+);
+
+/// Beams are met by far more rays than photons.
+fn photon_beams<D>(beams: PhotonBeams<D>, scale: f32, paths: u64) -> PhotonBeams<D> {
+    let radius = RADIUS * scale;
+    let beams = beams.paths(paths / 4).alpha(1.0).beam_radius(radius);
+    beams.radius(radius).surface_radius(radius)
+}
+
+pub(crate) const BEAMS1D: Mode = mode("photon_beams", HALVED, |scale, paths| {
+    Box::new(photon_beams(PhotonBeams::new(), scale, paths))
+});
+pub(crate) const BEAMS2D_SAMPLED: Mode = mode(
+    "photon_beams, lights sampled, 2D",
+    HALVED,
+    |scale, paths| {
+        let beams = photon_beams(PhotonBeams::sampling_lights(), scale, paths);
+        Box::new(beams.estimator(Estimate::BeamBeam2DRay))
     },
 );

@@ -50,9 +50,36 @@ impl Estimate {
         }
     }
 
+    /// This, times a factor.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self {
+            mean: factor * self.mean,
+            standard_error: factor.abs() * self.standard_error,
+            ..*self
+        }
+    }
+
     fn freedom(&self) -> f64 {
         self.count as f64 - 1.0
     }
+}
+
+/// What is left of two independent estimates, the second at twice the radius of the first, without a
+/// bias ∝ r^`order` (Richardson 1911).
+///
+/// ```
+/// use tyndall_testkit::stats::{Moments, extrapolated};
+/// let [narrow, wide] = [[1.1, 1.1], [1.4, 1.4]].map(|samples| {
+///     let moments: Moments = samples.into_iter().collect();
+///     moments.estimate()
+/// });
+/// assert!((extrapolated(narrow, wide, 2).mean - 1.0).abs() < 1e-12);
+/// ```
+pub fn extrapolated(narrow: Estimate, wide: Estimate, order: i32) -> Estimate {
+    let ratio = 2.0_f64.powi(order);
+    let share = 1.0 / (ratio - 1.0);
+    narrow.scaled(ratio * share).difference(&wide.scaled(share))
 }
 
 /// Running mean and variance in `f64` (Welford 1962), mergeable (Chan et al. 1979).
