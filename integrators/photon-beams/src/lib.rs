@@ -187,7 +187,7 @@ impl<D> PhotonBeams<D> {
     }
 
     /// The radius of beams at the start, in scene units. Without it, a two-hundredth of the diagonal
-    /// of the host's bounds.
+    /// of the host's bounds; it must be given if they are infinite or empty.
     #[must_use]
     pub fn beam_radius(mut self, radius: f32) -> Self {
         self.beam_radius = Some(radius);
@@ -274,7 +274,13 @@ impl<D> PhotonBeams<D> {
         let radius = self.beam_radius.unwrap_or(diagonal / 200.0);
         ensure(
             !self.estimate.takes_beams() || RADII.contains(&radius),
-            || format!("`beam_radius` is {radius}; name one in 1e-12 to 1e12 scene units"),
+            || {
+                let why = match self.beam_radius {
+                    None => "is not given, and the scene has no extent to take it from".to_owned(),
+                    Some(radius) => format!("is {radius}"),
+                };
+                format!("`beam_radius` {why}: name one in 1e-12 to 1e12 scene units")
+            },
         )?;
         Ok(radius)
     }

@@ -319,7 +319,7 @@ fn fluence_of_a_point_light(tier: Tier) {
         let position = light + distance * Vec3::Z;
         let host = AnalyticHost::infinite_medium(medium, light, 1.0, View::Fluence { position });
         let run = Run {
-            passes: tier.passes([40, 1_500]),
+            passes: tier.passes([80, 1_500]),
             samples: 40,
             seed: 1,
         };

@@ -153,7 +153,7 @@ fn light_that_emits_nothing() {
         position: Vec3::ONE,
         power: Rgb::default(),
     };
-    let found = ONCE.measure(&host, &PhotonBeams::new().paths(1));
+    let found = ONCE.measure(&host, &PhotonBeams::new().paths(1).beam_radius(0.1));
     assert!(found.iter().all(|e| e.mean == 0.0), "{found:?}");
 }
 
@@ -188,8 +188,9 @@ fn options_that_make_no_sense_are_refused() {
     let host = headlight(Ray::new(Vec3::ZERO, Vec3::Y));
     let (streams, running) = (PassStreams::new(1, 0), AtomicBool::new(false));
     let cx = PassContext::new(0, &streams, &running);
-    let new = PhotonBeams::new;
+    let new = || PhotonBeams::new().beam_radius(0.1);
     for (named, method) in [
+        ("`beam_radius`", PhotonBeams::new()), // a host without bounds
         ("`paths`", new().paths(0)),
         ("`starting_paths`", new().starting_paths(0)),
         ("`beam_radius`", new().beam_radius(0.0)),
