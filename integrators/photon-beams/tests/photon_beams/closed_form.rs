@@ -349,17 +349,16 @@ fn outwards() -> View {
 /// and ray shifts what is gathered, not what there is: only a chord that leaves is cut.
 fn the_furnace_is_white_away_from_the_boundary(tier: Tier) {
     let mut figures = Figures::default();
-    let radius = 0.05_f32;
     for (interface, white) in [
         (Interface::Matched, 1.0),
         (Interface::Dielectric(1.5), 2.25),
     ] {
-        for (g, estimate, mean_blur) in [
-            (0.0, Estimate::BeamBeam1D, 0.0),
-            (0.5, Estimate::BeamBeam1D, 0.0),
-            (0.0, Estimate::BeamBeam2DRay, 2.0 / 3.0),
-            (0.0, Estimate::BeamBeam2DBeam, 0.0),
-            (0.0, Estimate::BeamBeam3D, 0.75),
+        for (g, estimate, radius, mean_blur) in [
+            (0.0, Estimate::BeamBeam1D, 0.05, 0.0),
+            (0.5, Estimate::BeamBeam1D, 0.05, 0.0),
+            (0.0, Estimate::BeamBeam2DRay, 0.15, 2.0 / 3.0),
+            (0.0, Estimate::BeamBeam2DBeam, 0.15, 0.0),
+            (0.0, Estimate::BeamBeam3D, 0.15, 0.75),
         ] {
             let sigma_s = Rgb::new(0.5, 1.0, 2.0);
             let medium = fog(Rgb::default(), sigma_s, g);
@@ -374,8 +373,9 @@ fn the_furnace_is_white_away_from_the_boundary(tier: Tier) {
             for (c, mean) in found.into_iter().enumerate() {
                 let sigma_s = f64::from(sigma_s.channel(c));
                 let lost = sigma_s * (-sigma_s).exp() * mean_blur * f64::from(radius) / 4.0;
+                let precision = if radius > 0.1 { 0.04 } else { 0.08 };
                 let name = format!("{estimate} g {g} {interface:?} channel {c}");
-                figures.add(name, mean, white * (1.0 - lost), long(tier, 0.08));
+                figures.add(name, mean, white * (1.0 - lost), long(tier, precision));
             }
         }
     }
