@@ -43,7 +43,7 @@ impl Emission {
 
     /// What a method tells of these options, see
     /// [`Integrator::options`](tyndall_core::Integrator::options); `by_photons` is
-    /// [`DirectLight::BY_PHOTONS`].
+    /// [`DirectLight::BY_PHOTONS`](tyndall_walk::DirectLight::BY_PHOTONS).
     pub fn options(&self, by_photons: bool) -> Vec<(&'static str, String)> {
         vec![
             ("paths", self.paths.to_string()),
