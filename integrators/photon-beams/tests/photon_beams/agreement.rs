@@ -75,7 +75,7 @@ fn all_estimators_and_the_path_tracer(tier: Tier) {
         let nearest = d.mean.clamp(least, most);
         wrong.extend(stats::check_mean(&name, d, nearest, each).err());
     };
-    for c in 0..3 {
+    for (c, path) in path.iter().enumerate() {
         for (i, a) in found.iter().enumerate() {
             let [least, most] = a.left(c);
             let moments: Moments = a.narrow[c].iter().copied().collect();
@@ -85,18 +85,18 @@ fn all_estimators_and_the_path_tracer(tier: Tier) {
                 standard_error: d.standard_error + gone,
                 ..d
             };
-            let against = mean.difference(&path[c]);
+            let against = mean.difference(path);
             eprintln!(
                 "{:>18} channel {c}: bias {:+.4} ± {:.4}, gone {:+.4} ± {:.4}, relative variance of a pass {:.4}",
                 a.name,
-                against.mean / path[c].mean,
-                against.standard_error / path[c].mean,
-                a.gone[c].mean / path[c].mean,
-                a.gone[c].standard_error / path[c].mean,
+                against.mean / path.mean,
+                against.standard_error / path.mean,
+                a.gone[c].mean / path.mean,
+                a.gone[c].standard_error / path.mean,
                 moments.variance() / mean.mean.powi(2),
             );
             let against = widened(against, a.gone[c].standard_error);
-            let of = path[c].mean;
+            let of = path.mean;
             let name = format!("{} against path, channel {c}", a.name);
             check(name, against, [least, most], of);
             for b in &found[..i] {
