@@ -274,7 +274,7 @@ where
             direct: PhantomData,
         };
         let radiance = radiance(host, ray, &mut beams, sampler);
-        pass.report(beams.media.error);
+        pass.error.report(beams.media.error);
         radiance
     }
 

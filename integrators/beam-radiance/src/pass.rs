@@ -1,10 +1,9 @@
 //! What a pass prepares.
 
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicU32, Ordering};
 use tyndall_core::{Figure, MediumId, PassError, Spectrum};
 use tyndall_kd_tree::{Photon, Photons};
-use tyndall_photons::{Blur, Emission, PhotonDiscs, PhotonMaps, Search, SurfacePhotons};
+use tyndall_photons::{Blur, Emission, Largest, PhotonDiscs, PhotonMaps, Search, SurfacePhotons};
 
 /// Bytes that a photon in a medium takes at most, in its map and while its disc is built.
 const PEAK: usize = 128;
@@ -21,8 +20,7 @@ pub struct Pass<S> {
     shrink: f32,
     /// Photons whose radii were out of bounds.
     left_out: usize,
-    /// Bits of a number that is not negative: they are ordered as the numbers.
-    transmittance_error: AtomicU32,
+    pub(crate) error: Largest,
     /// See [`PhotonMaps::lost`].
     pub(crate) lost: u64,
 }
@@ -50,7 +48,7 @@ impl<S: Spectrum> Pass<S> {
             media,
             shrink,
             left_out: traced - kept,
-            transmittance_error: AtomicU32::new(0),
+            error: Largest::default(),
             lost: maps.lost,
         })
     }
@@ -61,17 +59,10 @@ impl<S: Spectrum> Pass<S> {
         index.ok().map(|i| &self.media[i].1)
     }
 
-    pub(crate) fn report(&self, error: f32) {
-        if error.to_bits() > self.transmittance_error.load(Ordering::Relaxed) {
-            self.transmittance_error
-                .fetch_max(error.to_bits(), Ordering::Relaxed);
-        }
-    }
-
     /// The largest error of a transmittance that [tables](crate::Transmittance::Table) have met so
     /// far, an absolute one; 0 where none was made.
     pub fn transmittance_error(&self) -> f32 {
-        f32::from_bits(self.transmittance_error.load(Ordering::Relaxed))
+        self.error.get()
     }
 
     /// What a reader of the image must know beside the number of photons.

@@ -366,7 +366,9 @@ where
             surfaces: Gather::new(pass.search, self.kernel),
             direct: PhantomData,
         };
-        radiance(host, ray, &mut gathering, sampler)
+        let radiance = radiance(host, ray, &mut gathering, sampler);
+        (pass.error).report(gathering.beams.error.max(gathering.discs.error));
+        radiance
     }
 
     fn figures(&self, pass: &Self::Pass) -> Vec<Figure> {

@@ -7,7 +7,7 @@ use tyndall_bvh::{BeamShape, Beams, Quality};
 use tyndall_core::{Figure, MediumId, PassError, Spectrum};
 use tyndall_kd_tree::Photons;
 use tyndall_photons::{
-    Blur, Emission, PhotonDiscs, Search, SurfacePhotons, Traced, VolumeLists, unsupported,
+    Blur, Emission, Largest, PhotonDiscs, Search, SurfacePhotons, Traced, VolumeLists, unsupported,
 };
 
 /// Bytes that a beam takes at most while its tree is built, beside the list of what was traced.
@@ -25,6 +25,8 @@ pub struct Pass<S> {
     pub(crate) media: BTreeMap<u32, InMedium<S>>,
     /// Radius of beams over that of the start.
     shrink: f32,
+    /// Of transmittance along rays of sight, the largest.
+    pub(crate) error: Largest,
     lost: u64,
 }
 
@@ -148,6 +150,7 @@ impl<S: Spectrum> Pass<S> {
             volume,
             media,
             shrink,
+            error: Largest::default(),
             lost,
         })
     }
@@ -187,6 +190,8 @@ impl<S: Spectrum> Pass<S> {
     pub(crate) fn figures(&self, emission: Emission) -> Vec<Figure> {
         let mut figures = emission.figures(self.photons(), self.lost);
         figures.push(Figure::total("beams", self.beams() as u64));
+        let error = Figure::largest("error of transmittance", self.error.get());
+        figures.extend([error].into_iter().filter(|figure| !figure.is_zero()));
         figures.push(Figure::range("radius over the starting one", self.shrink));
         figures
     }
