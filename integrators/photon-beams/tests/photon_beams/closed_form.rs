@@ -264,7 +264,7 @@ fn rows_far_from_the_origin(tier: Tier) {
             ..Row::at_degrees(degrees)
         };
         for estimate in Estimate::ALL {
-            if tier == Tier::Short && !by_beams(estimate) && degrees != 20.0 {
+            if tier == Tier::Short && !by_beams(estimate) {
                 continue;
             }
             let (paths, run, precision) = effort(estimate, tier, seed);
