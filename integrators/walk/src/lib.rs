@@ -6,8 +6,8 @@
 //! between two given points. [`equiangular`] samples points on a segment seen from a pivot; a
 //! [`Line`] weights them against free flight. A [`DepthTable`] and [`Flights`] give the transmittance
 //! from the start of a ray to many of its points.
-//! [`LightPaths`] emits and traces the light paths of a pass, and a [`Route`] says what their light
-//! has met; [`DirectLight`] is the choice of who finds that which has met nothing.
+//! [`LightPaths`] emits and traces the light paths of a pass, a [`Route`] says what their light has
+//! met, and a [`Footprint`] how wide it is; [`DirectLight`] is the choice of who finds that which has met nothing.
 //!
 //! # Needs of the host
 //! [`Geometry`](tyndall_core::Geometry), [`Shading`](tyndall_core::Shading) and
@@ -20,6 +20,7 @@ mod depth;
 mod direct;
 pub mod equiangular;
 mod flights;
+mod footprint;
 mod light;
 mod line;
 mod walk;
@@ -28,6 +29,7 @@ pub use connection::Connection;
 pub use depth::{DepthTable, OPAQUE};
 pub use direct::{ByPhotons, BySampling, DirectLight};
 pub use flights::Flights;
+pub use footprint::Footprint;
 pub use light::{Flight, LightPaths, Route, Visit};
 pub use line::{Collided, Line, LinePoint, power_heuristic};
 pub use walk::{Event, Scattered, Segment, Site, Vertex, Walk};

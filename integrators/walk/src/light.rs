@@ -1,6 +1,7 @@
 //! The light paths of a pass: emission in strata, on all threads, in order.
 
-use crate::{Event, Vertex, Walk};
+use crate::footprint::Beside;
+use crate::{Event, Footprint, Vertex, Walk};
 use rayon::prelude::*;
 use sobol_burley::sample_4d;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -27,6 +28,7 @@ pub struct LightPaths<'a, 'c, R> {
     cx: &'a PassContext<'c, R>,
     paths: u64,
     max_bytes: u64,
+    footprints: bool,
 }
 
 impl<'a, 'c, R: Streams> LightPaths<'a, 'c, R> {
@@ -36,7 +38,14 @@ impl<'a, 'c, R: Streams> LightPaths<'a, 'c, R> {
             cx,
             paths,
             max_bytes,
+            footprints: false,
         }
+    }
+
+    /// Follows rays beside the paths too, for [`Flight::footprint`].
+    #[must_use]
+    pub fn footprints(self, footprints: bool) -> Self {
+        Self { footprints, ..self }
     }
 
     /// Traces them on the current rayon pool and collects what `trace` makes of each, in batches in
@@ -66,7 +75,9 @@ impl<'a, 'c, R: Streams> LightPaths<'a, 'c, R> {
                 if let Some(mut start) = host.sample_emission(point(path, seed)) {
                     start.flux *= share;
                     let mut sampler = self.cx.streams.sampler(Domain::LIGHT, path);
-                    trace(Walk::from_light(host, &start), &mut sampler, &mut found);
+                    let mut walk = Walk::from_light(host, &start);
+                    walk.beside = self.footprints.then(|| Box::new(Beside::of(&start)));
+                    trace(walk, &mut sampler, &mut found);
                 }
                 let more = size_of::<T>() * (found.capacity() - room);
                 self.count(&bytes, more as u64)?;
@@ -141,6 +152,9 @@ pub struct Flight<S> {
     /// Flux at its end. As a constant from the start on up to where the flight got, and 0 behind,
     /// it has at every distance the mean `start` × transmittance: see [`Flights`](crate::Flights).
     pub end: S,
+    /// How wide the light is, if that was [asked for](LightPaths::footprints), nothing has scattered
+    /// it into many directions, and what is beside it met the same.
+    pub footprint: Option<Footprint>,
 }
 
 impl<H: Geometry + Shading + Media> Walk<'_, H> {
@@ -156,6 +170,7 @@ impl<H: Geometry + Shading + Media> Walk<'_, H> {
         loop {
             let segment = self.segment();
             let (ray, medium, start) = (segment.ray, segment.medium, self.throughput);
+            let footprint = (self.beside.as_ref()).map(|beside| beside.footprint(&ray));
             let event = self.fly(segment, sampler);
             if self.host.medium(medium).is_some() {
                 let flight = Flight {
@@ -164,6 +179,7 @@ impl<H: Geometry + Shading + Media> Walk<'_, H> {
                     collision: event.collision(),
                     start,
                     end: self.throughput,
+                    footprint,
                 };
                 visit(Visit::Flight(flight), route, sampler);
             }

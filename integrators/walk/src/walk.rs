@@ -1,5 +1,6 @@
 //! The random walk, from the sensor or from a light.
 
+use crate::footprint::Beside;
 use glam::Vec3;
 use tyndall_core::{
     Anchor, Coefficients, Collision, EmissionSample, Geometry, HostTypes, Media, Medium, MediumId,
@@ -34,6 +35,8 @@ pub struct Walk<'h, H: HostTypes> {
     start: f32,
     /// What refraction has divided the throughput of a walk of sight by.
     eta_squared: f32,
+    /// Of a walk of light that nothing has scattered into many directions, if they are asked for.
+    pub(crate) beside: Option<Box<Beside>>,
 }
 
 /// A stretch of a walk inside one medium, up to the next surface or to infinity.
@@ -71,7 +74,10 @@ pub enum Site<H: HostTypes> {
 // Not derived, for that would ask the host to be `Clone` too.
 impl<H: HostTypes> Clone for Walk<'_, H> {
     fn clone(&self) -> Self {
-        Self { ..*self }
+        Self {
+            beside: self.beside.clone(),
+            ..*self
+        }
     }
 }
 
@@ -174,6 +180,7 @@ impl<'h, H: Geometry + Shading + Media> Walk<'h, H> {
             collisions: 0,
             start: throughput.max_channel(),
             eta_squared: 1.0,
+            beside: None,
         }
     }
 
@@ -222,6 +229,10 @@ impl<'h, H: Geometry + Shading + Media> Walk<'h, H> {
             return Event::Escape(ray.direction);
         };
         if self.host.surface_kind(&hit) == SurfaceKind::Null {
+            self.take_along(medium, |host, hit, direction| {
+                (host.surface_kind(hit) == SurfaceKind::Null)
+                    .then(|| host.spawn(&Anchor::Surface(hit.clone()), direction))
+            });
             self.medium = self.host.medium_across(&hit, ray.direction, medium);
             let here = Anchor::Surface(hit.clone());
             self.ray = self.host.spawn(&here, ray.direction);
@@ -247,13 +258,18 @@ impl<'h, H: Geometry + Shading + Media> Walk<'h, H> {
                     .sample(vertex.wo, sampler.next());
                 self.throughput *= coefficients.albedo() * phase.weight;
                 self.collisions += 1;
+                self.beside = None;
                 self.ray = self.host.spawn(&Anchor::Point(vertex.position), phase.wi);
                 (Some(phase.pdf_w), 1.0)
             }
             Site::Surface(hit) => {
-                let sample = self
-                    .host
-                    .bsdf_sample(hit, vertex.wo, sampler.next(), self.from)?;
+                let (u, from) = (sampler.next(), self.from);
+                let sample = self.host.bsdf_sample(hit, vertex.wo, u, from)?;
+                self.take_along(vertex.medium, |host, hit, direction| {
+                    let beside = host.bsdf_sample(hit, -direction, u, from)?;
+                    let alike = sample.delta && beside.delta && beside.eta == sample.eta;
+                    alike.then(|| host.spawn(&Anchor::Surface(hit.clone()), beside.wi))
+                });
                 self.throughput *= sample.weight;
                 self.eta_squared *= sample.eta * sample.eta;
                 self.medium = self.host.medium_across(hit, sample.wi, vertex.medium);
@@ -268,6 +284,15 @@ impl<'h, H: Geometry + Shading + Media> Walk<'h, H> {
             eta,
             survival: self.survive(sampler)?,
         })
+    }
+
+    /// Sends the rays beside the walk on, from a surface that it has reached.
+    fn take_along(&mut self, medium: MediumId, onward: impl Fn(&H, &H::Hit, Vec3) -> Option<Ray>) {
+        if let Some(beside) = self.beside.take() {
+            let host = self.host;
+            let sent = beside.through(host, medium, |hit, direction| onward(host, hit, direction));
+            self.beside = sent.map(Box::new);
+        }
     }
 
     /// Russian roulette on the throughput relative to the start: the probability of having
