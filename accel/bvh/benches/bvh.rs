@@ -117,6 +117,7 @@ fn random_beams(count: usize) -> Vec<BeamShape> {
         direction: uniform_sphere(random.next()),
         length: 0.3,
         radii: [100.0 / count as f32; 2],
+        limits: BeamShape::UNLIMITED,
     };
     (0..count).map(beam).collect()
 }
@@ -133,6 +134,7 @@ fn headlight(count: usize) -> Vec<BeamShape> {
             direction: (axis + 0.3 * (c * x + d * y)).normalize(),
             length: 1.5,
             radii: [15.0 / count as f32; 2],
+            limits: BeamShape::UNLIMITED,
         }
     };
     (0..count).map(beam).collect()

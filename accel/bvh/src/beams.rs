@@ -25,6 +25,7 @@ use tyndall_core::Ray;
 ///     direction: Vec3::new(0.48, 0.6, 0.64),
 ///     length: 10.0,
 ///     radii: [0.1, 0.2],
+///     limits: BeamShape::UNLIMITED,
 /// };
 /// let beams = Beams::build(&[laser], Quality::Fast)?;
 /// let place = laser.at(4.0).as_vec3();
@@ -73,8 +74,8 @@ impl Beams {
     /// are never met.
     ///
     /// # Errors
-    /// A coordinate of an end or a radius is not finite or beyond 1e18, a radius or a length is
-    /// negative, the length of a direction is farther than 1e-3 from 1, or there are more than
+    /// A coordinate of an end or a radius is not finite or beyond 1e18, a length or a limit of radii
+    /// is negative, the smallest radius is larger than the largest, the length of a direction is farther than 1e-3 from 1, or there are more than
     /// `u32::MAX` beams or pieces.
     pub fn build(shapes: &[BeamShape], quality: Quality) -> Result<Self, BuildError> {
         if shapes.len() > u32::MAX as usize {
@@ -233,6 +234,7 @@ mod tests {
             direction: Vec3::new(0.48, 0.6, 0.64),
             length: 50.0,
             radii: [0.1, 0.2],
+            limits: BeamShape::UNLIMITED,
         };
         let shapes: Vec<_> = (0..100).map(beam).collect();
         let beams = Beams::build(&shapes, Quality::Fast).expect("good beams");

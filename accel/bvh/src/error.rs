@@ -18,7 +18,7 @@ pub enum BuildError {
         /// The primitive.
         index: usize,
     },
-    /// A radius is negative, NaN, infinite or beyond 1e18.
+    /// A radius is negative, NaN, infinite or beyond 1e18, or limits of radii leave none.
     #[error("primitive {index}: its radius is negative, not finite or beyond 1e18; correct it")]
     Radius {
         /// The primitive.

@@ -68,7 +68,7 @@
 //! cube root of their number. Memory: 23 bytes a disc, 24 in [`Quality::High`] (16 the disc, 4 its
 //! order, the rest spheres and nodes).
 //!
-//! Beams: 40 bytes a beam (its shape is 36) and 41 a piece (28 the segment and its radius, 2 its
+//! Beams: 48 bytes a beam (its shape is 44) and 41 a piece (28 the segment and its radius, 2 its
 //! number, 2 the middle of the block, 4 its beam, 4 the capsule of the block, a half the node), with
 //! 4 pieces a beam at most on the mean. They are given such that all pieces have boxes of the same
 //! surface, as a cut saves most where boxes are largest: none to beams along axes, none shorter than

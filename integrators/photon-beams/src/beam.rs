@@ -63,6 +63,7 @@ impl Rule {
                 direction: ray.direction,
                 length: length.min(LONGEST),
                 radii: [self.radius; 2],
+                limits: BeamShape::UNLIMITED,
             };
             Left::Beam(flight.medium, shape, flux)
         };

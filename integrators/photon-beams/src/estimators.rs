@@ -53,20 +53,23 @@ pub struct Pair<'a> {
     pub kernel: Kernel,
 }
 
-/// The radius of a beam, linear in the distance along it.
+/// The radius of a beam, linear in the distance along it, within limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cone {
     /// At the start, in scene units.
     pub start: f64,
-    /// What it grows by per unit; may be negative.
+    /// What it grows by per unit; may be negative. Behind a focus the radius is, but its size counts.
     pub growth: f64,
+    /// The least and the most of it.
+    pub limits: [f64; 2],
 }
 
 impl Cone {
     /// The radius at a distance.
     #[inline]
     pub fn radius(&self, v: f64) -> f64 {
-        self.start + self.growth * v
+        let [least, most] = self.limits;
+        (self.start + self.growth * v).abs().clamp(least, most)
     }
 
     /// The largest radius over a piece.

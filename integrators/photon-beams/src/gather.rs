@@ -231,6 +231,7 @@ fn pair<'a, S>(
         cone: Cone {
             start,
             growth: (end - start) / f64::from(shape.length),
+            limits: shape.limits.map(f64::from),
         },
         kernel,
     }

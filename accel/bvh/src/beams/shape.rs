@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 use std::ops::RangeInclusive;
 
 /// Where a beam is: the points `origin + v·direction` for v in `[0, length)`, and what is nearer to
-/// them than a radius that grows or shrinks linearly.
+/// them than a radius that grows or shrinks linearly, within limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BeamShape {
     /// Where it starts.
@@ -14,11 +14,16 @@ pub struct BeamShape {
     pub direction: Vec3,
     /// Its length in scene units.
     pub length: f32,
-    /// Radius at its start and at its end.
+    /// Radius at its start and at its end. Where their signs differ, it runs through a focus.
     pub radii: [f32; 2],
+    /// Its radius is nowhere less than the first, nor more than the second.
+    pub limits: [f32; 2],
 }
 
 impl BeamShape {
+    /// Limits that keep no radius.
+    pub const UNLIMITED: [f32; 2] = [0.0, LIMIT];
+
     /// The point at distance `v`.
     #[inline]
     pub fn at(&self, v: f64) -> DVec3 {
@@ -26,15 +31,38 @@ impl BeamShape {
     }
 
     /// The radius at distance `v` of a beam that has a length.
+    ///
+    /// ```
+    /// use glam::Vec3;
+    /// use tyndall_bvh::BeamShape;
+    /// let focused = BeamShape {
+    ///     origin: Vec3::ZERO,
+    ///     direction: Vec3::Z,
+    ///     length: 10.0,
+    ///     radii: [1.0, -1.0],
+    ///     limits: [0.25, 0.5],
+    /// };
+    /// let radii = [0.0, 3.125, 5.0, 10.0].map(|v| focused.radius(v));
+    /// assert_eq!(radii, [0.5, 0.375, 0.25, 0.5]);
+    /// ```
     #[inline]
     pub fn radius(&self, v: f64) -> f64 {
         let [start, end] = self.radii.map(f64::from);
-        start + (end - start) * (v / f64::from(self.length))
+        let radius = start + (end - start) * (v / f64::from(self.length));
+        let [least, most] = self.limits.map(f64::from);
+        radius.abs().clamp(least, most)
+    }
+
+    /// The largest radius, which is at one of its ends.
+    pub(super) fn largest(&self) -> f32 {
+        let [start, end] = self.radii;
+        let [least, most] = self.limits;
+        start.abs().max(end.abs()).clamp(least, most)
     }
 
     /// Whether there is anything to meet.
     pub(super) fn has_volume(&self) -> bool {
-        self.length > 0.0 && self.radii != [0.0; 2]
+        self.length > 0.0 && self.largest() > 0.0
     }
 
     /// What is wrong with it.
@@ -46,11 +74,17 @@ impl BeamShape {
             Some(BuildError::Direction { index })
         } else if !(0.0..=f32::MAX).contains(&self.length) || !is_within(end) {
             Some(BuildError::Length { index })
-        } else if self.radii.iter().any(|r| !(0.0..=LIMIT).contains(r)) {
+        } else if !self.has_radii() {
             Some(BuildError::Radius { index })
         } else {
             None
         }
+    }
+
+    fn has_radii(&self) -> bool {
+        let [least, most] = self.limits;
+        let limits = 0.0 <= least && least <= most && most <= LIMIT;
+        limits && self.radii.iter().all(|r| r.abs() <= LIMIT)
     }
 }
 

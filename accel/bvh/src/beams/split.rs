@@ -52,7 +52,6 @@ fn pieces(shape: &BeamShape, edge: f32) -> u16 {
     }
     let d = shape.direction.abs();
     let of_beam = shape.length * ((d.x * d.y + d.y * d.z + d.z * d.x) / 3.0).sqrt();
-    let [start, end] = shape.radii;
-    let count = of_beam / edge.max(SHORTEST * start.max(end));
+    let count = of_beam / edge.max(SHORTEST * shape.largest());
     count.ceil().clamp(1.0, f32::from(u16::MAX)) as u16
 }

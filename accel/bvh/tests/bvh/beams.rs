@@ -29,7 +29,8 @@ fn build(shapes: &[BeamShape], quality: Quality) -> Beams {
             end = piece.end;
             pieces += 1;
         }
-        let none = shape.length == 0.0 || shape.radii == [0.0; 2];
+        let hollow = shape.radii == [0.0; 2] && shape.limits[0] == 0.0;
+        let none = shape.length == 0.0 || hollow || shape.limits[1] == 0.0;
         assert_eq!(end, if none { 0.0 } else { shape.length });
     }
     assert_eq!(pieces, beams.pieces());
@@ -78,6 +79,8 @@ fn check(beams: &Beams, ray: &Ray, size: f32) -> Verdict {
         near: 0,
         shown: shown.len(),
     };
+    let lengths = (0..beams.len()).map(|beam| beams.beam(beam).length);
+    let longest = lengths.fold(0.0, f32::max);
     for beam in 0..beams.len() {
         let shape = beams.beam(beam);
         for piece in beams.pieces_of(beam) {
@@ -91,7 +94,7 @@ fn check(beams: &Beams, ray: &Ray, size: f32) -> Verdict {
                 verdict.near += 1;
             } else if shown {
                 let away = (shape.origin - ray.origin).as_dvec3().length();
-                let all = away + radius + f64::from(shape.length + size);
+                let all = away + radius + f64::from(longest + size);
                 assert!(distance <= radius + SLACK * all + LEAST, "{}", context());
             }
         }
@@ -120,7 +123,8 @@ fn check_all(shapes: &[BeamShape], size: f32, rays: usize, random: &mut TestSamp
     sum
 }
 
-/// Cones with starts in `places`, of up to `length`; one radius in ten is 0.
+/// Cones with starts in `places`, of up to `length`; one radius in ten is 0, some run through a
+/// focus, and some have limits.
 fn cones(
     places: Places,
     count: usize,
@@ -131,12 +135,20 @@ fn cones(
     let starts = centers(places, count, random);
     let cone = |origin| {
         let [share, start, end, none] = random.next();
+        let [focus, limit, least, most] = random.next();
+        let end = if focus < 0.2 { -end } else { end };
         let radii = [start, end].map(|x| radius * x);
+        let limits = [0.5 * least, 0.5 + 0.5 * most].map(|x| radius * x);
         BeamShape {
             origin,
             direction: direction(random),
             length: length * share,
             radii: if none < 0.1 { [0.0, radii[1]] } else { radii },
+            limits: if limit < 0.2 {
+                limits
+            } else {
+                BeamShape::UNLIMITED
+            },
         }
     };
     starts.into_iter().map(cone).collect()
@@ -148,6 +160,7 @@ fn scaled(shapes: &[BeamShape], scale: f32, offset: Vec3) -> Vec<BeamShape> {
         direction: shape.direction,
         length: scale * shape.length,
         radii: shape.radii.map(|r| scale * r),
+        limits: shape.limits.map(|r| (scale * r).min(1e18)),
     };
     shapes.iter().map(scaled).collect()
 }
@@ -241,6 +254,7 @@ fn grazed_beams_are_shown() {
             direction: tilted,
             length: 10_f32.powf(4.0 * c - 2.0),
             radii: [0.0; 2],
+            limits: BeamShape::UNLIMITED,
         };
         let whole = Piece {
             beam: 0,
@@ -253,6 +267,7 @@ fn grazed_beams_are_shown() {
             let beams = build(
                 &[BeamShape {
                     radii: [radius; 2],
+                    limits: BeamShape::UNLIMITED,
                     ..shape
                 }],
                 QUALITIES[i % 2],
@@ -345,6 +360,7 @@ fn a_hundred_thousand_at_one_point() {
                 direction,
                 length: 2.0,
                 radii: [1e-4; 2],
+                limits: BeamShape::UNLIMITED,
             }
         })
         .collect();
@@ -382,6 +398,7 @@ fn places_and_radii_at_the_promised_extremes() {
                 direction: direction(&mut random),
                 length,
                 radii: [radius, 0.5 * radius],
+                limits: BeamShape::UNLIMITED,
             }
         };
         let shapes: Vec<_> = (0..200).map(shape).collect();
@@ -409,6 +426,7 @@ fn one_long_beam_among_short_ones() {
         direction: Vec3::new(0.48, 0.6, 0.64),
         length: 1e18,
         radii: [1e-3; 2],
+        limits: BeamShape::UNLIMITED,
     };
     let verdict = check_all(&shapes, 1.0, 100, &mut random);
     assert!(verdict.near > 200, "{verdict:?}");
@@ -423,6 +441,7 @@ fn beams_that_hold_nothing_are_never_met() {
         direction: Vec3::X,
         length,
         radii: [radius; 2],
+        limits: BeamShape::UNLIMITED,
     };
     let shapes = [shape(0.0, 1.0), shape(1.0, 0.0)].repeat(9);
     let beams = build(&shapes, Quality::Fast);
@@ -454,6 +473,7 @@ fn bad_beams_are_errors() {
         direction: Vec3::X,
         length: 1.0,
         radii: [1.0; 2],
+        limits: BeamShape::UNLIMITED,
     };
     let build = |shape| Beams::build(&[good, shape], Quality::Fast).map(|_| ());
     let index = 1;
@@ -475,10 +495,18 @@ fn bad_beams_are_errors() {
             Err(BuildError::Length { index })
         );
     }
-    for bad in [-1.0, f32::NAN, f32::INFINITY, 2e18] {
+    for bad in [f32::NAN, f32::INFINITY, 2e18, -2e18] {
         for radii in [[bad, 1.0], [1.0, bad]] {
             assert_eq!(
                 build(BeamShape { radii, ..good }),
+                Err(BuildError::Radius { index })
+            );
+        }
+    }
+    for bad in [-1.0, f32::NAN, f32::INFINITY, 2e18] {
+        for limits in [[bad, 1.0], [0.0, bad], [1.0, 0.5]] {
+            assert_eq!(
+                build(BeamShape { limits, ..good }),
                 Err(BuildError::Radius { index })
             );
         }
@@ -491,6 +519,7 @@ fn bad_beams_are_errors() {
     let long = BeamShape {
         length: 1e18,
         radii: [1e18; 2],
+        limits: BeamShape::UNLIMITED,
         direction: 1.0005 * Vec3::X,
         ..good
     };
@@ -511,6 +540,7 @@ fn long_beams_are_split_and_fat_ones_are_not() {
         direction,
         length,
         radii: [radius; 2],
+        limits: BeamShape::UNLIMITED,
     };
     let askew = Vec3::new(0.48, 0.6, 0.64);
     let mut shapes = vec![beam(askew, 1.0, 1e-3); 90];
@@ -556,7 +586,7 @@ fn memory_a_beam_and_a_piece() {
     let shapes = cones(Places::Uniform, count, 1.0, 1e-3, &mut random);
     for quality in QUALITIES {
         let beams = Beams::build(&shapes, quality).expect("good beams");
-        let of_pieces = beams.bytes() - 40 * count;
+        let of_pieces = beams.bytes() - 48 * count;
         let each = of_pieces as f64 / beams.pieces() as f64;
         assert!((40.0..42.0).contains(&each), "{quality:?}: {each}");
     }
