@@ -122,6 +122,9 @@ fn photon_beams<S: Spectrum, D: DirectLight<Scene<S>>>(config: &PhotonConfig) ->
     let estimate = config.estimator.and_then(estimate);
     let beams = with(beams, estimate, PhotonBeams::estimator);
     let beams = with(beams, config.beam_radius, PhotonBeams::beam_radius);
+    let scale = config.beam_differentials;
+    let beams = with(beams, scale, PhotonBeams::beam_differentials);
+    let beams = with(beams, config.beam_nearest, PhotonBeams::beam_nearest);
     let light = config.short_light_beams.map(extent);
     let beams = with(beams, light, PhotonBeams::light_beams);
     let sight = config.short_sight_beams.map(extent);

@@ -108,11 +108,13 @@ fn a_picture_can_be_rendered_again_from_what_it_says() {
             ],
         ),
         ("photon_beams", vec![few]),
+        ("photon_beams", vec![few, ("beam_differentials", "1.5")]),
         (
             "photon_beams",
             vec![
                 few,
                 ("beam_radius", "0.07"),
+                ("beam_nearest", "9"),
                 ("estimator", "beam_beam_2d_ray"),
                 ("light_beams", "short"),
                 ("light_flights", "2"),

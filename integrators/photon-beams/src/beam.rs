@@ -1,11 +1,13 @@
 //! What light paths leave in media: beams, or photons where beams do not pay.
 
 use crate::Extent;
+use crate::width::Radii;
 use std::f32::consts::FRAC_PI_2;
 use std::ops::ControlFlow;
 use tyndall_bvh::BeamShape;
 use tyndall_core::{Coefficients, Media, Medium, MediumId, Ray, Sampler, Spectrum};
 use tyndall_kd_tree::Photon;
+use tyndall_photons::{Keep, collided};
 use tyndall_walk::{Flight, Flights};
 
 /// The longest beam, in scene units: its end is a place that a tree can hold.
@@ -32,8 +34,7 @@ pub(crate) struct Rule {
     pub(crate) extent: Extent,
     /// Free flights that estimate the transmittance of a long one, where there is no closed form.
     pub(crate) flights: u32,
-    /// Radius of beams.
-    pub(crate) radius: f32,
+    pub(crate) radii: Radii,
 }
 
 impl Rule {
@@ -44,26 +45,27 @@ impl Rule {
         host: &H,
         flight: &Flight<H::Spectrum>,
         sampler: &mut impl Sampler,
-        room: &mut Flights<H::Spectrum>,
-        mut keep: impl FnMut(Left<H::Spectrum>),
+        keep: &mut Keep<'_, H::Spectrum, Left<H::Spectrum>>,
     ) {
         let Some(medium) = host.medium(flight.medium) else {
             return;
         };
-        if !self.beams || mean_free_path(medium, &flight.ray) <= FRAC_PI_2 * self.radius {
-            if let Some(photon) = photon(flight) {
-                keep(Left::Point(flight.medium, photon));
+        if !self.beams || mean_free_path(medium, &flight.ray) <= FRAC_PI_2 * self.radii.most {
+            if let Some(photon) = collided(flight) {
+                keep.push(Left::Point(flight.medium, photon));
             }
             return;
         }
         let ray = &flight.ray;
         let beam = |length: f32, flux: H::Spectrum| {
+            let length = length.min(LONGEST);
+            let (radii, limits) = self.radii.of(flight.footprint.as_ref(), length);
             let shape = BeamShape {
                 origin: ray.origin,
                 direction: ray.direction,
-                length: length.min(LONGEST),
-                radii: [self.radius; 2],
-                limits: BeamShape::UNLIMITED,
+                length,
+                radii,
+                limits,
             };
             Left::Beam(flight.medium, shape, flux)
         };
@@ -71,22 +73,23 @@ impl Rule {
         match (self.extent, even) {
             (Extent::Short, _) => {
                 let reached = flight.collision.map_or(ray.t_max, |c| c.t);
-                keep(beam(reached, flight.end));
+                keep.push(beam(reached, flight.end));
             }
             (Extent::Long, Some(coefficients)) => {
                 let flown = Fading::new(coefficients).length(sampler.next_1d());
                 if flown > 0.0 {
-                    keep(beam(ray.t_max.min(flown), flight.start));
+                    keep.push(beam(ray.t_max.min(flown), flight.start));
                 }
             }
             (Extent::Long, None) => {
                 let ray = ray.up_to(ray.t_max.min(matter_ends(medium, ray)));
+                let mut room = Flights::default();
                 room.fly(medium, &ray, self.flights, flight.start, sampler);
                 let ends = room.ends();
                 let farthest = ends.last().map_or(0.0, |(t, _)| t.min(ray.t_max));
-                keep(beam(farthest, flight.start));
+                keep.push(beam(farthest, flight.start));
                 for (t, transmittance) in ends {
-                    keep(Left::Reached(*t, *transmittance));
+                    keep.push(Left::Reached(*t, *transmittance));
                 }
             }
         }
@@ -137,17 +140,6 @@ impl<S: Spectrum> Fading<S> {
         let fewer = self.clearest * (v - self.full).max(0.0);
         self.sigma_t.map(|sigma_t| (fewer - sigma_t * v).exp())
     }
-}
-
-/// The photon of a collision, if it scatters anything.
-fn photon<S: Spectrum>(flight: &Flight<S>) -> Option<Photon<S>> {
-    let collision = flight.collision?;
-    let photon = Photon {
-        position: flight.ray.at(collision.t),
-        direction: flight.ray.direction,
-        flux: flight.end * collision.coefficients.albedo(),
-    };
-    (!photon.flux.is_black()).then_some(photon)
 }
 
 /// The mean free path where light is likely to collide first: behind one of the majorant's.

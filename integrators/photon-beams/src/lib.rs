@@ -34,9 +34,14 @@
 //! instead: whether a flight leaves a beam or a photon depends on where it starts and goes, never
 //! on how far it gets, so that the split is unbiased.
 //!
+//! # Widths
+//! All beams have one radius, or each its own, linear along it: by photon differentials
+//! ([`PhotonBeams::beam_differentials`]), narrow where lenses focus light and wide where it fans out,
+//! or by the nearest ends of others ([`PhotonBeams::beam_nearest`]). It is that where they are met.
+//! The least and the most of it shrink from pass to pass as one radius does.
+//!
 //! # What it does not handle
-//! Beams have one radius, wherever they are: photon differentials and nearest neighbours are not
-//! there yet.
+//! Beams are round: of light that a lens focuses to a line, differentials give the area, not the axes.
 //!
 //! # Cost
 //! Linear in light paths; a ray costs what it meets, and the pieces of beams near to it. A beam of
@@ -60,6 +65,7 @@ pub mod estimators;
 mod gather;
 mod pass;
 mod sight;
+mod width;
 
 pub use estimate::{Estimate, Extent};
 pub use pass::Pass;
@@ -79,7 +85,8 @@ use tyndall_density::{Dimension, RADII};
 use tyndall_photons::{
     AlongRay, Emission, Gather, March, Progress, Reach, Start, Traced, ensure, radiance,
 };
-use tyndall_walk::{DirectLight, Flights, Visit};
+use tyndall_walk::DirectLight;
+use width::Width;
 
 /// Photon beams. `D` says who finds light that nothing has scattered before.
 #[derive(Clone, Copy, Debug)]
@@ -90,6 +97,7 @@ pub struct PhotonBeams<D = ByPhotons> {
     light: Extent,
     sight: Extent,
     beam_radius: Option<f32>,
+    width: Width,
     flights: u32,
     volume: Reach,
     surfaces: Reach,
@@ -129,6 +137,7 @@ impl<D> Default for PhotonBeams<D> {
             light: Extent::Long,
             sight: Extent::Long,
             beam_radius: None,
+            width: Width::default(),
             flights: 4,
             volume: Reach::nearest(30),
             surfaces: Reach::nearest(50),
@@ -186,11 +195,31 @@ impl<D> PhotonBeams<D> {
         self
     }
 
-    /// The radius of beams at the start, in scene units. Without it, a two-hundredth of the diagonal
-    /// of the host's bounds; it must be given if they are infinite or empty.
+    /// The radius of beams at the start, in scene units; the largest, where it is not the same for
+    /// all. Without it, a two-hundredth of the diagonal of the host's bounds; it must be given if they
+    /// are infinite or empty.
     #[must_use]
     pub fn beam_radius(mut self, radius: f32) -> Self {
         self.beam_radius = Some(radius);
+        self
+    }
+
+    /// Radii by photon differentials (Schjøth et al. 2007): so many times that of the disc which holds
+    /// the light of one path of [`PhotonBeams::starting_paths`], wherever along the beam it is met.
+    /// Beams fan out with the light and narrow where specular surfaces focus it, down to a 32nd of
+    /// [`PhotonBeams::beam_radius`]. What was scattered into many directions has that radius.
+    #[must_use]
+    pub fn beam_differentials(mut self, scale: f32) -> Self {
+        self.width = Width::Differentials(scale);
+        self
+    }
+
+    /// Radii that at both ends of a beam reach to the so many-th nearest end of others, and are
+    /// linear between; at least 2, of beams of [`PhotonBeams::starting_paths`]. They are a 32nd of
+    /// [`PhotonBeams::beam_radius`] at least.
+    #[must_use]
+    pub fn beam_nearest(mut self, ends: usize) -> Self {
+        self.width = Width::Nearest(ends);
         self
     }
 
@@ -320,22 +349,26 @@ where
         let share = self.progress.share(two, self.emission, cx.pass)?;
         let volume = (self.volume).in_pass("", Dimension::Three, share, bounds)?;
         let surfaces = self.surfaces.in_pass("surface_", two, share, bounds)?;
+        let most = self.starting_radius(bounds)? * beams.radius;
+        let starting_paths = self.progress.starting_paths;
+        let radii = (self.width).in_pass(most, beams.radius, starting_paths, beams.paths)?;
         let rule = Rule {
             beams: self.estimate.takes_beams(),
             extent: self.light,
             flights: self.flights,
-            radius: self.starting_radius(bounds)? * beams.radius,
+            radii,
         };
-        let traced = Traced::trace::<H, D, R>(host, cx, self.emission, |visit, sampler, keep| {
-            if let Visit::Flight(flight) = visit {
-                rule.keep(host, &flight, sampler, &mut Flights::default(), keep);
-            }
-        })?;
+        let paths = (self.emission.light_paths(cx)).footprints(radii.by_footprints());
+        let traced =
+            Traced::trace::<H, D, R>(host, paths, self.emission, |flight, sampler, keep| {
+                rule.keep(host, flight, sampler, keep);
+            })?;
         Pass::build(
             self.emission,
             traced,
             self.estimate,
             [surfaces, volume],
+            radii,
             beams.radius,
         )
     }
@@ -394,6 +427,11 @@ where
             .beam_radius
             .map(|radius| ("beam_radius", radius.to_string()));
         options.extend(radius);
+        options.extend(match self.width {
+            Width::Fixed => None,
+            Width::Differentials(scale) => Some(("beam_differentials", scale.to_string())),
+            Width::Nearest(ends) => Some(("beam_nearest", ends.to_string())),
+        });
         options.extend(self.volume.options(["radius", "nearest", "max_radius"]));
         let surfaces = ["surface_radius", "surface_nearest", "surface_max_radius"];
         options.extend(self.surfaces.options(surfaces));

@@ -2,6 +2,7 @@
 
 use crate::Estimate;
 use crate::beam::Left;
+use crate::width::Radii;
 use std::collections::BTreeMap;
 use tyndall_bvh::{BeamShape, Beams, Quality};
 use tyndall_core::{Figure, MediumId, PassError, Spectrum};
@@ -77,10 +78,10 @@ impl<S: Spectrum> LightBeams<S> {
 
 /// Beams of a medium before their tree is built.
 #[derive(Default)]
-struct List<S> {
-    shapes: Vec<BeamShape>,
-    flux: Vec<S>,
-    steps: Vec<(f32, S)>,
+pub(crate) struct List<S> {
+    pub(crate) shapes: Vec<BeamShape>,
+    pub(crate) flux: Vec<S>,
+    pub(crate) steps: Vec<(f32, S)>,
 }
 
 impl<S: Spectrum> Pass<S> {
@@ -89,6 +90,7 @@ impl<S: Spectrum> Pass<S> {
         traced: Traced<S, Left<S>>,
         estimate: Estimate,
         [search, volume]: [Search; 2],
+        radii: Radii,
         shrink: f32,
     ) -> Result<Self, PassError> {
         let beams = traced.media().filter(|left| matches!(left, Left::Beam(..)));
@@ -105,9 +107,9 @@ impl<S: Spectrum> Pass<S> {
             match left {
                 Left::Point(medium, photon) => points.push(medium, photon),
                 Left::Beam(MediumId(medium), shape, flux) => {
-                    let finite = flux.is_finite() && shape.origin.is_finite();
-                    last = finite.then_some(medium);
-                    if finite {
+                    let storable = flux.is_finite() && shape.is_valid();
+                    last = storable.then_some(medium);
+                    if storable {
                         let list = lists.entry(medium).or_default();
                         list.shapes.push(shape);
                         list.flux.push(flux);
@@ -124,7 +126,8 @@ impl<S: Spectrum> Pass<S> {
         }
         lost += points.lost();
         let mut media: BTreeMap<u32, InMedium<S>> = BTreeMap::new();
-        for (medium, list) in lists {
+        for (medium, mut list) in lists {
+            radii.of_all(&mut list)?;
             let light = LightBeams {
                 tree: Beams::build(&list.shapes, Quality::Fast).map_err(unsupported)?,
                 steps_each: list.steps.len() / list.flux.len(),

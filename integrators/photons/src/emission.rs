@@ -1,6 +1,7 @@
 //! How many light paths a pass has.
 
-use tyndall_core::{Figure, PassError};
+use tyndall_core::{Figure, PassContext, PassError, Streams};
+use tyndall_walk::LightPaths;
 
 /// How many light paths a pass has, and what their photons may take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,6 +24,14 @@ impl Default for Emission {
 }
 
 impl Emission {
+    /// The light paths of a pass.
+    pub fn light_paths<'a, 'c, R: Streams>(
+        &self,
+        cx: &'a PassContext<'c, R>,
+    ) -> LightPaths<'a, 'c, R> {
+        LightPaths::new(cx, self.paths, self.max_bytes)
+    }
+
     /// The number of the first path of a pass among all that were ever traced.
     pub fn first_path(&self, pass: u64) -> u64 {
         pass.saturating_mul(self.paths)

@@ -63,4 +63,4 @@ pub use march::March;
 pub use reach::{Progress, Reach, Share, Start, ensure, unsupported};
 pub use search::{Aim, Neighbours, Search};
 pub use sight::{Incident, Sight, radiance};
-pub use traced::Traced;
+pub use traced::{Keep, Traced};

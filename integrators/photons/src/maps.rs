@@ -6,7 +6,7 @@ use tyndall_core::{
     Geometry, LightEmission, Media, MediumId, PassContext, PassError, Shading, Spectrum, Streams,
 };
 use tyndall_kd_tree::{Photon, Photons};
-use tyndall_walk::{DirectLight, Site, Vertex, Visit};
+use tyndall_walk::{DirectLight, Flight};
 
 /// The photons of a pass at surfaces, by what light met before.
 #[derive(Clone, Debug, Default)]
@@ -62,9 +62,10 @@ impl<S: Spectrum> PhotonMaps<S> {
         D: DirectLight<H>,
         R: Streams,
     {
-        let traced = Traced::trace::<H, D, R>(host, cx, emission, |visit, _, keep| {
-            if let Visit::Vertex(vertex, flux) = visit {
-                collided(vertex, flux).into_iter().for_each(keep);
+        let paths = emission.light_paths(cx);
+        let traced = Traced::trace::<H, D, R>(host, paths, emission, |flight, _, keep| {
+            if let Some(photon) = collided(flight) {
+                keep.push((flight.medium, photon));
             }
         })?;
         let mut volume = VolumeLists::new(traced.media().copied(), traced.bytes(), emission)?;
@@ -90,20 +91,15 @@ impl<S: Spectrum> PhotonMaps<S> {
     }
 }
 
-/// What a collision leaves, unless all is absorbed there: a photon that carries what scatters.
-pub fn collided<H: Geometry>(
-    vertex: &Vertex<H>,
-    arriving: H::Spectrum,
-) -> Option<(MediumId, Photon<H::Spectrum>)> {
-    let Site::Collision(coefficients) = &vertex.site else {
-        return None;
-    };
+/// The photon of a flight that collided, unless all is absorbed there: it carries what scatters.
+pub fn collided<S: Spectrum>(flight: &Flight<S>) -> Option<Photon<S>> {
+    let collision = flight.collision?;
     let photon = Photon {
-        position: vertex.position,
-        direction: -vertex.wo,
-        flux: arriving * coefficients.albedo(),
+        position: flight.ray.at(collision.t),
+        direction: flight.ray.direction,
+        flux: flight.end * collision.coefficients.albedo(),
     };
-    (!photon.flux.is_black()).then_some((vertex.medium, photon))
+    (!photon.flux.is_black()).then_some(photon)
 }
 
 /// Photons of media on their way into maps, a list each.

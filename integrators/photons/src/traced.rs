@@ -2,10 +2,10 @@
 
 use crate::{Emission, SurfacePhotons, ensure, unsupported};
 use tyndall_core::{
-    Geometry, LightEmission, Media, PassContext, PassError, Shading, Spectrum, Streams, SurfaceKind,
+    Geometry, LightEmission, Media, PassError, Shading, Spectrum, Streams, SurfaceKind,
 };
 use tyndall_kd_tree::{Photon, Photons};
-use tyndall_walk::{DirectLight, LightPaths, Route, Site, Vertex, Visit};
+use tyndall_walk::{DirectLight, Flight, LightPaths, Route, Site, Vertex, Visit};
 
 /// What the light paths of a pass have left: photons at surfaces, and a `T` for whatever a method
 /// keeps of what they met in media.
@@ -27,8 +27,20 @@ enum Left<S, T> {
     Medium(T),
 }
 
+/// Takes what a method keeps of a flight.
+pub struct Keep<'a, S, T>(&'a mut Vec<Left<S, T>>);
+
+impl<S, T> Keep<'_, S, T> {
+    /// Keeps it.
+    #[inline]
+    pub fn push(&mut self, item: T) {
+        self.0.push(Left::Medium(item));
+    }
+}
+
 impl<S: Spectrum, T: Send> Traced<S, T> {
-    /// Traces the light paths of a pass. `media` says what to keep of a flight or a collision.
+    /// Traces the light paths of a pass, as `emission` has them. `media` says what to keep of a
+    /// flight through a medium.
     ///
     /// Whether a sensor will look there is not asked: mirrors and scattering between surfaces make
     /// that as dear to know as the picture itself.
@@ -38,9 +50,9 @@ impl<S: Spectrum, T: Send> Traced<S, T> {
     /// and for more photons than a map can number.
     pub fn trace<H, D, R>(
         host: &H,
-        cx: &PassContext<'_, R>,
+        paths: LightPaths<'_, '_, R>,
         emission: Emission,
-        media: impl Fn(Visit<'_, H>, &mut R::Sampler, &mut dyn FnMut(T)) + Sync,
+        media: impl Fn(&Flight<S>, &mut R::Sampler, &mut Keep<'_, S, T>) + Sync,
     ) -> Result<Self, PassError>
     where
         H: Geometry<Spectrum = S> + Shading + Media + LightEmission,
@@ -50,14 +62,11 @@ impl<S: Spectrum, T: Send> Traced<S, T> {
         ensure(emission.paths > 0, || {
             "`paths` is 0; trace at least 1 light path a pass".to_owned()
         })?;
-        let paths = LightPaths::new(cx, emission.paths, emission.max_bytes);
         let left = paths.collect(host, |walk, sampler, left| {
             walk.visit(sampler, |visit, route, sampler| match visit {
                 _ if route == Route::Direct && !D::BY_PHOTONS => {}
-                Visit::Vertex(vertex, flux) if !vertex.is_collision() => {
-                    left.extend(deposit(host, vertex, flux, route));
-                }
-                visit => media(visit, sampler, &mut |item| left.push(Left::Medium(item))),
+                Visit::Vertex(vertex, flux) => left.extend(deposit(host, vertex, flux, route)),
+                Visit::Flight(flight) => media(&flight, sampler, &mut Keep(left)),
             });
         })?;
         let mut traced = Self {

@@ -70,8 +70,12 @@ pub struct PhotonConfig {
     pub tracking: Option<bool>,
     /// How photon beams are estimated: one of [`ESTIMATORS`].
     pub estimator: Option<&'static str>,
-    /// The (starting) radius of photon beams, in scene units.
+    /// The (starting) radius of photon beams, the largest if they differ, in scene units.
     pub beam_radius: Option<f32>,
+    /// Radius of photon beams by differentials, over that of a path's own light.
+    pub beam_differentials: Option<f32>,
+    /// Ends of others that the radius at an end of a photon beam reaches.
+    pub beam_nearest: Option<usize>,
     /// Whether photon beams end where light collides.
     pub short_light_beams: Option<bool>,
     /// Whether beams of sight end where they would collide.
@@ -191,6 +195,11 @@ fn read_photons(table: &Table<'_>) -> Result<PhotonConfig, Error> {
     };
     let kernels = KERNELS.map(|kernel| kernel.to_string());
     let beam_radius = table.optional("beam_radius");
+    let differentials = table.optional("beam_differentials");
+    if let (Some(_), Some(other)) = (&differentials, table.optional("beam_nearest")) {
+        let why = "`beam_differentials` and `beam_nearest` exclude each other: remove one";
+        return Err(other.error(why));
+    }
     Ok(PhotonConfig {
         paths: count(table, "paths", 1, 1 << 32)?,
         memory: count(table, "memory", 1, 1 << 40)?,
@@ -209,6 +218,8 @@ fn read_photons(table: &Table<'_>) -> Result<PhotonConfig, Error> {
         tracking: chosen("transmittance", &["table", "tracking"])?.map(|i| i == 1),
         estimator: chosen("estimator", &ESTIMATORS)?.map(|i| ESTIMATORS[i]),
         beam_radius: beam_radius.map(|field| field.positive()).transpose()?,
+        beam_differentials: differentials.map(|field| field.positive()).transpose()?,
+        beam_nearest: count(table, "beam_nearest", 2, 1 << 20)?.map(|n| n as usize),
         short_light_beams: chosen("light_beams", &["long", "short"])?.map(|i| i == 1),
         short_sight_beams: chosen("sight_beams", &["long", "short"])?.map(|i| i == 1),
         light_flights: count(table, "light_flights", 1, 1 << 10)?.map(|n| n as u32),

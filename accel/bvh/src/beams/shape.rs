@@ -53,6 +53,11 @@ impl BeamShape {
         radius.abs().clamp(least, most)
     }
 
+    /// Whether [`Beams::build`](crate::Beams::build) takes it.
+    pub fn is_valid(&self) -> bool {
+        self.fault(0).is_none()
+    }
+
     /// The largest radius, which is at one of its ends.
     pub(super) fn largest(&self) -> f32 {
         let [start, end] = self.radii;

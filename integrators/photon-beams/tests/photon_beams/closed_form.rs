@@ -26,7 +26,7 @@ in_both_tiers! {
 
 /// A laser's row.
 #[derive(Clone, Copy, Debug)]
-struct Row {
+pub(crate) struct Row {
     /// Of the angle between beam and ray.
     cos_theta: f64,
     laser_radius: f32,
@@ -40,7 +40,7 @@ const FLUX: f32 = 3.0;
 const SIGMA_T: Rgb = Rgb::new(0.1, 0.3, 0.6);
 
 impl Row {
-    fn at_degrees(degrees: f64) -> Self {
+    pub(crate) fn at_degrees(degrees: f64) -> Self {
         Self {
             cos_theta: degrees.to_radians().cos(),
             laser_radius: 0.05,
@@ -74,6 +74,28 @@ impl Row {
             first.origin += self.origin;
         }
         host
+    }
+
+    /// The row as it is where places are `f32`: of e = (x, y, z), by how much they move the rays of
+    /// `host` against its laser, x is along the laser, and z shortens the rays.
+    fn rounded(&self, host: &AnalyticHost<Homogeneous<Rgb>>) -> Self {
+        let near = Self {
+            origin: Vec3::ZERO,
+            ..*self
+        };
+        let between = |host: &AnalyticHost<_>| match (&host.light, &host.view) {
+            (Light::Beam { center, .. }, View::Row { first, .. }) => {
+                first.origin.as_dvec3() - center.as_dvec3()
+            }
+            _ => panic!("a laser and its row"),
+        };
+        let e = between(host) - between(&near.host(0.0));
+        let shorter = e.z / (1.0 - self.cos_theta * self.cos_theta).sqrt();
+        Self {
+            distance: (f64::from(self.distance) - shorter) as f32,
+            along: (f64::from(self.along) + e.x - shorter * self.cos_theta) as f32,
+            ..*self
+        }
     }
 
     /// The sum of the row in a channel, as blurred by an estimator with a constant kernel.
@@ -128,7 +150,7 @@ impl Row {
     }
 
     /// Takes the sums of all channels.
-    fn measure(
+    pub(crate) fn measure(
         &self,
         figures: &mut Figures,
         (method, estimate, radius): (&PhotonBeams, Estimate, f32),
@@ -136,10 +158,11 @@ impl Row {
         precision: f64,
     ) {
         let length = f64::from(2.0 * self.half_width(radius));
-        let found = run.measure(&self.host(radius), method);
+        let host = self.host(radius);
+        let (found, row) = (run.measure(&host, method), self.rounded(&host));
         for (c, mean) in found.into_iter().enumerate() {
             let name = format!("{estimate} of radius {radius}, channel {c}, {self:?}");
-            let expected = self.sum(c, estimate, radius);
+            let expected = row.sum(c, estimate, radius);
             figures.add(name, mean.scaled(length), expected, precision);
         }
     }
@@ -176,7 +199,7 @@ fn by_beams(estimate: Estimate) -> bool {
 }
 
 /// The precision asked for: a third in the long tier.
-fn long(tier: Tier, precision: f64) -> f64 {
+pub(crate) fn long(tier: Tier, precision: f64) -> f64 {
     match tier {
         Tier::Short => precision,
         Tier::Long => precision / 3.0,
@@ -334,7 +357,7 @@ fn fluence_of_a_point_light(tier: Tier) {
 }
 
 /// From around the middle of a ball in all directions: rays leave it almost straight.
-fn outwards() -> View {
+pub(crate) fn outwards() -> View {
     let mut sampler = rng(1);
     let mut ray = || {
         let middle = 0.1 * warp::uniform_sphere(sampler.next());

@@ -7,6 +7,7 @@ mod conformance;
 mod extremes;
 mod heterogeneous;
 mod progressive;
+mod widths;
 
 use tyndall_core::{Coefficients, Spectrum};
 use tyndall_media::{Homogeneous, Phase};

@@ -172,3 +172,15 @@ pub(crate) const BEAMS2D_SAMPLED: Mode = mode(
         Box::new(beams.estimator(Estimate::BeamBeam2DRay))
     },
 );
+pub(crate) const BEAMS_DIFFERENTIALS: Mode =
+    mode("photon_beams, differentials", HALVED, |scale, paths| {
+        let beams = photon_beams(PhotonBeams::new(), scale, paths);
+        let beams = beams.starting_paths(paths / 4);
+        Box::new(beams.beam_differentials(2.0 * scale))
+    });
+pub(crate) const BEAMS_NEAREST_ENDS: Mode =
+    mode("photon_beams, nearest ends", HALVED, |scale, paths| {
+        let beams = photon_beams(PhotonBeams::new(), scale, paths);
+        let beams = beams.starting_paths(paths / 4);
+        Box::new(beams.beam_nearest(nearest(scale)))
+    });
