@@ -16,7 +16,7 @@ use tyndall_core::{Integrator, PassContext, Rgb, Sampler, Sensor};
 use tyndall_driver::PassStreams;
 use tyndall_photons::{Emission, PhotonMaps};
 use tyndall_scene_io::{Scene, SceneFile};
-use tyndall_testkit::rng;
+use tyndall_testkit::{cornell_box, rng};
 use tyndall_walk::ByPhotons;
 
 /// Photons in the fog for every light path.
@@ -26,27 +26,8 @@ const WIDTH: u32 = 320;
 const PIXELS: u32 = WIDTH * 180;
 
 fn scene(fog: &str) -> Scene<Rgb> {
-    let text = format!(
-        r#"
-camera = {{ position = [0, 1, 3.6], look_at = [0, 1, 0], fov = 38, medium = "fog" }}
-film = {{ width = 320, height = 180 }}
-media.fog = {fog}
-materials.white = {{ kind = "diffuse", reflectance = 0.73 }}
-materials.red = {{ kind = "diffuse", reflectance = [0.63, 0.065, 0.05] }}
-materials.green = {{ kind = "diffuse", reflectance = [0.14, 0.45, 0.091] }}
-materials.glass = {{ kind = "dielectric", ior = 1.5, inside = "vacuum" }}
-shapes = [
-    {{ kind = "quad", corner = [-1, 0, 1], edge_u = [2, 0, 0], edge_v = [0, 0, -2], material = "white" }},
-    {{ kind = "quad", corner = [-1, 2, -1], edge_u = [2, 0, 0], edge_v = [0, 0, 2], material = "white" }},
-    {{ kind = "quad", corner = [-1, 0, -1], edge_u = [2, 0, 0], edge_v = [0, 2, 0], material = "white" }},
-    {{ kind = "quad", corner = [-1, 0, 1], edge_u = [0, 0, -2], edge_v = [0, 2, 0], material = "red" }},
-    {{ kind = "quad", corner = [1, 0, -1], edge_u = [0, 0, 2], edge_v = [0, 2, 0], material = "green" }},
-    {{ kind = "quad", corner = [-0.25, 1.99, -0.25], edge_u = [0.5, 0, 0], edge_v = [0, 0, 0.5], material = "white", emission = [17, 12, 6] }},
-    {{ kind = "sphere", center = [0, 0.8, 0], radius = 0.4, material = "glass" }},
-]
-"#
-    );
-    let file = SceneFile::parse(&text, Path::new("box"), &[]).expect("the scene is valid");
+    let file =
+        SceneFile::parse(&cornell_box(fog), Path::new("box"), &[]).expect("the scene is valid");
     file.build().expect("the scene is valid")
 }
 

@@ -65,22 +65,26 @@ impl<'a, 'c, R: Streams> LightPaths<'a, 'c, R> {
     {
         let (share, bytes) = (1.0 / self.paths as f32, AtomicU64::new(0));
         let batch = |batch| {
-            let mut found = Vec::new();
+            let (mut found, mut of_path) = (Vec::new(), Vec::new());
             let seed = self.seed(batch * BATCH / SEQUENCE);
             for path in batch * BATCH..self.paths.min((batch + 1) * BATCH) {
                 if self.cx.cancelled() {
                     return Err(PassError::Cancelled);
                 }
-                let room = found.capacity();
                 if let Some(mut start) = host.sample_emission(point(path, seed)) {
                     start.flux *= share;
                     let mut sampler = self.cx.streams.sampler(Domain::LIGHT, path);
                     let mut walk = Walk::from_light(host, &start);
                     walk.beside = self.footprints.then(|| Box::new(Beside::of(&start)));
-                    trace(walk, &mut sampler, &mut found);
+                    trace(walk, &mut sampler, &mut of_path);
                 }
-                let more = size_of::<T>() * (found.capacity() - room);
-                self.count(&bytes, more as u64)?;
+                let (room, needed) = (found.capacity(), found.len() + of_path.len());
+                if needed > room {
+                    let more = needed.max(2 * room) - room;
+                    self.count(&bytes, (size_of::<T>() * more) as u64)?;
+                    found.reserve_exact(room + more - found.len());
+                }
+                found.append(&mut of_path);
             }
             Ok(found)
         };
@@ -90,9 +94,6 @@ impl<'a, 'c, R: Streams> LightPaths<'a, 'c, R> {
 
     /// Counts `more` bytes.
     fn count(&self, bytes: &AtomicU64, more: u64) -> Result<(), PassError> {
-        if more == 0 {
-            return Ok(());
-        }
         let needed = bytes.fetch_add(more, Ordering::Relaxed) + more;
         if needed > self.max_bytes {
             return Err(PassError::Memory {

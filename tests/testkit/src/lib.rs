@@ -13,15 +13,19 @@
 
 pub mod closed_form;
 pub mod conformance;
+mod cornell_box;
 pub mod hosts;
 mod measure;
+mod memory;
 mod passes;
 mod quadrature;
 mod rng;
 pub mod stats;
 mod tier;
 
+pub use cornell_box::cornell_box;
 pub use measure::{measure, measure_mean};
+pub use memory::{Bounded, check_memory};
 pub use passes::{RadianceAlong, Run};
 pub use rng::{TestSampler, rng};
 pub use tier::Tier;
