@@ -4,7 +4,7 @@ use tyndall_beam_radiance::{BeamRadiance, Blur, Transmittance};
 use tyndall_core::{AnyIntegrator, Spectrum};
 use tyndall_driver::PassStreams;
 use tyndall_path::{Path, Scattering};
-use tyndall_photon_beams::{Estimate, Extent, PhotonBeams};
+use tyndall_photon_beams::{Extent, PhotonBeams};
 use tyndall_photon_map::PhotonMap;
 use tyndall_progressive_photon_map::{ProgressivePhotonMap, Radii};
 use tyndall_scene_io::{IntegratorConfig, PhotonConfig, Place, Scene};
@@ -115,12 +115,10 @@ fn beam_radiance<S: Spectrum, D: DirectLight<Scene<S>>>(config: &PhotonConfig) -
 
 fn photon_beams<S: Spectrum, D: DirectLight<Scene<S>>>(config: &PhotonConfig) -> Boxed<S> {
     let extent = |short| if short { Extent::Short } else { Extent::Long };
-    let estimate = |name| Estimate::ALL.into_iter().find(|e| e.to_string() == name);
     let beams = PhotonBeams::<D>::default();
     let beams = with(beams, config.paths, PhotonBeams::paths);
     let beams = with(beams, bytes(config), PhotonBeams::max_bytes);
-    let estimate = config.estimator.and_then(estimate);
-    let beams = with(beams, estimate, PhotonBeams::estimator);
+    let beams = with(beams, config.estimator, PhotonBeams::estimator);
     let beams = with(beams, config.beam_radius, PhotonBeams::beam_radius);
     let scale = config.beam_differentials;
     let beams = with(beams, scale, PhotonBeams::beam_differentials);

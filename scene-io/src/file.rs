@@ -16,7 +16,7 @@ mod texture;
 mod view;
 mod volume;
 
-pub use integrator::{ESTIMATORS, IntegratorConfig, PhotonConfig, Scattering};
+pub use integrator::{IntegratorConfig, PhotonConfig, Scattering};
 pub(crate) use material::Material;
 pub(crate) use reader::nearest;
 pub(crate) use shape::{Solid, around_points};

@@ -30,7 +30,7 @@ mod volume;
 
 pub use error::{Error, Place};
 pub use features::Features;
-pub use file::{ESTIMATORS, IntegratorConfig, PhotonConfig, Scattering, SceneFile};
+pub use file::{IntegratorConfig, PhotonConfig, Scattering, SceneFile};
 pub use host::{Hit, Presence};
 pub use image_out::{
     Metadata, PassRange, RenderOutput, TooManyPasses, View, check_writable, write_exr, write_png,

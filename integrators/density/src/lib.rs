@@ -14,6 +14,9 @@
 //! | point × beam 2D | Tr(t) p(wo, −w) Φₛ K₂(d, r) | [`in_scattered`] × [`Kernel::weight_2d`] |
 //! | point × beam 3D | p(wo, −w) Φₛ · 3/(4πr³) · ∫ Tr over the chord | [`in_scattered`] × [`Kernel::Constant`] in 3D × ∫ Tr over a [`Chord`] |
 //!
+//! [`Estimate`] names them, and those of photon beams, which take from [`Lines`] where a ray passes
+//! a beam.
+//!
 //! The last is in closed form for a homogeneous medium and the constant kernel,
 //! e^(−σt a) (1 − e^(−σt s))/σt for a chord of length s from a on; elsewhere the integrator
 //! integrates its transmittance.
@@ -70,6 +73,7 @@
 //!   Transport Simulation": the names of the estimators.
 #![forbid(unsafe_code)]
 
+mod estimate;
 mod exponential;
 mod kernel;
 mod lines;
@@ -78,6 +82,7 @@ mod schedule;
 mod statistics;
 mod surface;
 
+pub use estimate::Estimate;
 pub use exponential::exp_negative;
 pub use kernel::{Kernel, RADII};
 pub use lines::Lines;

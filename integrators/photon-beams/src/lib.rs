@@ -60,16 +60,16 @@
 #![forbid(unsafe_code)]
 
 mod beam;
-mod estimate;
 pub mod estimators;
+mod extent;
 mod gather;
 mod pass;
 mod sight;
 mod width;
 
-pub use estimate::{Estimate, Extent};
+pub use extent::Extent;
 pub use pass::Pass;
-pub use tyndall_density::Kernel;
+pub use tyndall_density::{Estimate, Kernel};
 pub use tyndall_photons::Transmittance;
 pub use tyndall_walk::{ByPhotons, BySampling};
 

@@ -2,7 +2,7 @@
 
 use super::reader::{Field, Table};
 use crate::{Error, Place};
-use tyndall_density::Kernel;
+use tyndall_density::{Estimate, Kernel};
 
 /// What `[integrator]` says: plain data, for the command to make an integrator of.
 #[derive(Clone, Debug, PartialEq)]
@@ -68,8 +68,8 @@ pub struct PhotonConfig {
     pub blur: Option<u8>,
     /// Whether transmittance along a ray is found by flights, or by a table.
     pub tracking: Option<bool>,
-    /// How photon beams are estimated: one of [`ESTIMATORS`].
-    pub estimator: Option<&'static str>,
+    /// How photon points and beams are estimated.
+    pub estimator: Option<Estimate>,
     /// The (starting) radius of photon beams, the largest if they differ, in scene units.
     pub beam_radius: Option<f32>,
     /// Radius of photon beams by differentials, over that of a path's own light.
@@ -83,19 +83,6 @@ pub struct PhotonConfig {
     /// Free flights along a long photon beam in media that vary.
     pub light_flights: Option<u32>,
 }
-
-/// Estimators of photon points and beams: data, query and the dimensions of the blur.
-pub const ESTIMATORS: [&str; 9] = [
-    "point_point_3d",
-    "point_beam_2d",
-    "point_beam_3d",
-    "beam_point_2d",
-    "beam_point_3d",
-    "beam_beam_1d",
-    "beam_beam_2d_ray",
-    "beam_beam_2d_beam",
-    "beam_beam_3d",
-];
 
 /// The smoothing kernels.
 const KERNELS: [Kernel; 5] = [
@@ -194,6 +181,7 @@ fn read_photons(table: &Table<'_>) -> Result<PhotonConfig, Error> {
         field.map(|field| field.boolean()).transpose()
     };
     let kernels = KERNELS.map(|kernel| kernel.to_string());
+    let estimators = Estimate::ALL.map(|estimate| estimate.to_string());
     let beam_radius = table.optional("beam_radius");
     let differentials = table.optional("beam_differentials");
     if let (Some(_), Some(other)) = (&differentials, table.optional("beam_nearest")) {
@@ -216,7 +204,8 @@ fn read_photons(table: &Table<'_>) -> Result<PhotonConfig, Error> {
         statistics: truth("statistics")?,
         blur: count(table, "blur", 2, 3)?.map(|n| n as u8),
         tracking: chosen("transmittance", &["table", "tracking"])?.map(|i| i == 1),
-        estimator: chosen("estimator", &ESTIMATORS)?.map(|i| ESTIMATORS[i]),
+        estimator: chosen("estimator", &estimators.each_ref().map(String::as_str))?
+            .map(|i| Estimate::ALL[i]),
         beam_radius: beam_radius.map(|field| field.positive()).transpose()?,
         beam_differentials: differentials.map(|field| field.positive()).transpose()?,
         beam_nearest: count(table, "beam_nearest", 2, 1 << 20)?.map(|n| n as usize),

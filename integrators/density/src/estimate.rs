@@ -1,4 +1,4 @@
-//! Which estimator takes the light of media.
+//! The names of the estimators in media.
 
 use std::fmt;
 
@@ -13,20 +13,18 @@ pub enum Estimate {
     PointBeam2D,
     /// Photons as balls, along the whole ray.
     PointBeam3D,
-    /// [`BeamPoint2D`](crate::estimators::BeamPoint2D), at points marched along the ray.
+    /// Beams, where a point passes them, at points marched along the ray.
     BeamPoint2D,
-    /// [`BeamPoint3D`](crate::estimators::BeamPoint3D), at points marched along the ray.
+    /// Beams, over their chords in the ball around a point, at points marched along the ray.
     BeamPoint3D,
-    /// [`BeamBeam1D`](crate::estimators::BeamBeam1D), and
-    /// [`BeamBeam2DRay`](crate::estimators::BeamBeam2DRay) for beams almost parallel to the ray:
-    /// the shares of the two are a smooth function of the angle, and sum to one.
+    /// Beams, where a ray passes them: blurred across both.
     #[default]
     BeamBeam1D,
-    /// [`BeamBeam2DRay`](crate::estimators::BeamBeam2DRay): 2D₁.
+    /// Beams as cylinders, over the chord of the ray: 2D₁.
     BeamBeam2DRay,
-    /// [`BeamBeam2DBeam`](crate::estimators::BeamBeam2DBeam): 2D₂.
+    /// Beams, over their chords in the cylinder around the ray: 2D₂.
     BeamBeam2DBeam,
-    /// [`BeamBeam3D`](crate::estimators::BeamBeam3D).
+    /// Beams, over all pairs of their places with those of the ray.
     BeamBeam3D,
 }
 
@@ -65,25 +63,6 @@ impl fmt::Display for Estimate {
             Self::BeamBeam2DRay => "beam_beam_2d_ray",
             Self::BeamBeam2DBeam => "beam_beam_2d_beam",
             Self::BeamBeam3D => "beam_beam_3d",
-        })
-    }
-}
-
-/// How far a beam goes, of light or of sight.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Extent {
-    /// To the next surface, attenuated by the transmittance on the way: the less noise.
-    Long,
-    /// No farther than light flies until it collides, and as bright all along: a free flight is an
-    /// estimate of the transmittance, to all distances at once.
-    Short,
-}
-
-impl fmt::Display for Extent {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Long => "long",
-            Self::Short => "short",
         })
     }
 }
