@@ -18,6 +18,7 @@ in_both_tiers! {
     rows_of_a_laser_at_any_angle,
     rows_of_a_laser_for_any_radius,
     rows_of_short_beams,
+    rows_of_channels_far_apart,
     rows_far_from_the_origin,
     airlight_of_a_point_light_and_its_bias,
     fluence_of_a_point_light,
@@ -34,6 +35,9 @@ pub(crate) struct Row {
     along: f32,
     /// Where the laser starts.
     origin: Vec3,
+    sigma_t: Rgb,
+    /// Mean cosine of what scatters.
+    g: f32,
 }
 
 const FLUX: f32 = 3.0;
@@ -47,6 +51,8 @@ impl Row {
             distance: 2.5,
             along: 2.0,
             origin: Vec3::ZERO,
+            sigma_t: SIGMA_T,
+            g: 0.5,
         }
     }
 
@@ -56,7 +62,7 @@ impl Row {
     }
 
     fn host(&self, radius: f32) -> AnalyticHost<Homogeneous<Rgb>> {
-        let medium = fog(SIGMA_T * (1.0 - RARELY), SIGMA_T * RARELY, 0.5);
+        let medium = fog(self.sigma_t * (1.0 - RARELY), self.sigma_t * RARELY, self.g);
         let laser = Laser {
             flux: FLUX,
             radius: self.laser_radius,
@@ -109,11 +115,11 @@ impl Row {
     ///   cylinder: the exponent is symmetrical in them.
     /// - 3D: t = e_z/sin θ, v = e_z cot θ − e_x, with e in a ball.
     fn sum(&self, channel: usize, estimate: Estimate, radius: f32) -> f64 {
-        let sigma_t = f64::from(SIGMA_T.channel(channel));
+        let sigma_t = f64::from(self.sigma_t.channel(channel));
         let cos_theta = self.cos_theta;
         let sin_theta = (1.0 - cos_theta * cos_theta).sqrt();
         let ahead = Vec3::new(cos_theta as f32, 0.0, sin_theta as f32);
-        let medium = fog(Rgb::default(), Rgb::splat(1.0), 0.5);
+        let medium = fog(Rgb::default(), Rgb::splat(1.0), self.g);
         let phase = medium.phase(Vec3::ZERO).eval(-ahead, Vec3::NEG_X);
         let row = |radius: f32| {
             laser_row_sum(&LaserRow {
@@ -279,6 +285,40 @@ fn rows_of_short_beams(tier: Tier) {
     figures.check(FALSE_ALARM);
 }
 
+/// What is clear in one channel is opaque in another; nearly all is scattered back.
+fn rows_of_channels_far_apart(tier: Tier) {
+    let mut figures = Figures::default();
+    let row = Row {
+        sigma_t: Rgb::new(0.015, 0.15, 1.5),
+        distance: 1.0,
+        along: 0.8,
+        g: -0.95,
+        ..Row::at_degrees(70.0)
+    };
+    for estimate in Estimate::ALL {
+        if !by_beams(estimate) {
+            continue;
+        }
+        for (light, sight) in [
+            (Extent::Long, Extent::Long),
+            (Extent::Short, Extent::Long),
+            (Extent::Long, Extent::Short),
+        ] {
+            let (_, run, _) = effort(estimate, tier, 1);
+            let run = Run { samples: 8, ..run };
+            let method = fixed(estimate, 0.1).kernel(Kernel::Constant).paths(1_000);
+            let method = method.light_beams(light).sight_beams(sight);
+            row.measure(
+                &mut figures,
+                (&method, estimate, 0.1),
+                run,
+                long(tier, 0.15),
+            );
+        }
+    }
+    figures.check(FALSE_ALARM);
+}
+
 fn rows_far_from_the_origin(tier: Tier) {
     let mut figures = Figures::default();
     for (seed, degrees) in [(1, 20.0), (2, 90.0), (3, 160.0)] {
@@ -379,6 +419,8 @@ fn the_furnace_is_white_away_from_the_boundary(tier: Tier) {
         for (g, estimate, radius, mean_blur) in [
             (0.0, Estimate::BeamBeam1D, 0.05, 0.0),
             (0.5, Estimate::BeamBeam1D, 0.05, 0.0),
+            (0.95, Estimate::BeamBeam1D, 0.05, 0.0),
+            (-0.95, Estimate::BeamBeam1D, 0.05, 0.0),
             (0.0, Estimate::BeamBeam2DRay, 0.15, 2.0 / 3.0),
             (0.0, Estimate::BeamBeam2DBeam, 0.15, 0.0),
             (0.0, Estimate::BeamBeam3D, 0.15, 0.75),
@@ -396,7 +438,11 @@ fn the_furnace_is_white_away_from_the_boundary(tier: Tier) {
             for (c, mean) in found.into_iter().enumerate() {
                 let sigma_s = f64::from(sigma_s.channel(c));
                 let lost = sigma_s * (-sigma_s).exp() * mean_blur * f64::from(radius) / 4.0;
-                let precision = if radius > 0.1 { 0.04 } else { 0.08 };
+                let precision = match (g.abs() > 0.9, radius > 0.1) {
+                    (true, _) => 0.2,
+                    (false, true) => 0.04,
+                    (false, false) => 0.08,
+                };
                 let name = format!("{estimate} g {g} {interface:?} channel {c}");
                 figures.add(name, mean, white * (1.0 - lost), long(tier, precision));
             }

@@ -13,6 +13,7 @@ use tyndall_core::{AnyIntegrator, Rgb};
 use tyndall_driver::PassStreams;
 use tyndall_host_rpt::RptHost;
 use tyndall_path::Path;
+use tyndall_photon_beams::PhotonBeams;
 use tyndall_photon_map::PhotonMap;
 use tyndall_testkit::stats::check_means;
 use tyndall_testkit::{integrator_conformance, measure_mean};
@@ -68,6 +69,10 @@ fn a_point_light_glows_in_fog_by_beams_as_by_paths() {
     };
     let beams = BeamRadiance::new().paths(20_000).radius(0.12).alpha(1.0);
     agree(&host, &beams, 80);
+    let beams = PhotonBeams::new().paths(4_000).beam_radius(0.06).alpha(1.0);
+    agree(&host, &beams.surface_radius(0.12), 80);
+    let beams = beams.starting_paths(4_000).beam_differentials(1.0);
+    agree(&host, &beams.surface_radius(0.12), 80);
 }
 
 #[test]
