@@ -25,9 +25,13 @@ fn radiance_does_not_depend_on_how_paths_are_cut_into_passes() {
     };
     let host = AnalyticHost::sphere(medium, 1.0, Interface::Matched, light, view);
     let mut figures = Figures::default();
-    for estimate in [Estimate::BeamBeam1D, Estimate::BeamBeam2DRay] {
-        let method = PhotonBeams::new().estimator(estimate).beam_radius(0.3);
-        let method = method.starting_paths(300);
+    let method = PhotonBeams::new().beam_radius(0.3).starting_paths(300);
+    for (name, method) in [
+        ("1D", method),
+        ("2D", method.estimator(Estimate::BeamBeam2DRay)),
+        ("differentials", method.beam_differentials(2.0)),
+        ("nearest", method.beam_nearest(200)),
+    ] {
         let run = |seed, passes, samples| Run {
             passes,
             samples,
@@ -35,7 +39,7 @@ fn radiance_does_not_depend_on_how_paths_are_cut_into_passes() {
         };
         let few = run(2, 10, 8).measure(&host, &method.paths(3_200));
         let many = run(1, 160, 1).measure(&host, &method.paths(200));
-        figures.same(estimate.to_string(), many[0], few[0], 0.03);
+        figures.same(name, many[0], few[0], 0.03);
     }
     figures.check(FALSE_ALARM);
 }
