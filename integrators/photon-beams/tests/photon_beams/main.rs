@@ -2,6 +2,7 @@
 //! [`FALSE_ALARM`] each.
 
 mod agreement;
+mod bias;
 mod closed_form;
 mod conformance;
 mod extremes;
