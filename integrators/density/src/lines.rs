@@ -49,6 +49,12 @@ impl Lines {
         self.sin_theta
     }
 
+    /// Its cosine.
+    #[inline]
+    pub fn cos_theta(&self) -> f64 {
+        self.cos_theta
+    }
+
     /// `[t, v]` of the two points that are closest to each other; `None` if the lines are parallel.
     ///
     /// t = (w × d₂)·n / sin² θ and v = (w × d₁)·n / sin² θ.

@@ -129,6 +129,12 @@ impl<S: Spectrum> Fading<S> {
         }
     }
 
+    /// Extinction of the clearest channel that scatters; infinite if none does.
+    #[inline]
+    pub(crate) fn clearest(&self) -> f32 {
+        self.clearest
+    }
+
     /// A length, for `u` in \[0, 1).
     fn length(&self, u: f32) -> f32 {
         self.full - (-u).ln_1p() / self.clearest

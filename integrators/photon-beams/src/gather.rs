@@ -30,6 +30,18 @@ pub(crate) struct Rules {
     pub(crate) march: March,
 }
 
+impl Rules {
+    /// How fast beams of sight and of light fade where they are long and the medium is the same
+    /// everywhere: by the extinction of the clearest channel that scatters.
+    fn fading<S: Spectrum>(&self, even: Option<Coefficients<S>>) -> [f64; 2] {
+        let clearest = even.map_or(0.0, |coefficients| Fading::new(coefficients).clearest());
+        [self.sight, self.light].map(|extent| match extent {
+            Extent::Long if clearest.is_finite() => clearest.into(),
+            _ => 0.0,
+        })
+    }
+}
+
 /// Gathers beams. Room for what rays meet is reused from one to the next.
 #[derive(Debug)]
 pub(crate) struct BeamGather<S> {
@@ -101,11 +113,12 @@ impl<S: Spectrum> BeamGather<S> {
         sampler: &mut impl Sampler,
     ) -> S {
         let Self { rules, met, .. } = self;
+        let sigma_t = rules.fading(medium.homogeneous());
         met.clear();
         beams.tree.near(ray, |piece| {
             let shape = beams.tree.beam(piece.beam);
             let lines = Lines::new(ray, shape.origin, shape.direction);
-            let pair = pair(&lines, ray, beams, piece, rules.kernel);
+            let pair = pair(&lines, ray, beams, piece, rules.kernel, sigma_t);
             let mut meet = |meeting: Option<Meeting>, share: f64| {
                 met.extend(meeting.map(|Meeting { t, v, weight }| Met {
                     beam: piece.beam,
@@ -178,6 +191,7 @@ impl<S: Spectrum> BeamGather<S> {
     ) -> S {
         let rules = self.rules;
         let even = medium.homogeneous();
+        let sigma_t = rules.fading(even);
         let u: [f32; 2] = sampler.next();
         let mut turn = 0.0_f32;
         rules.march.integrate(medium, ray, carried, sampler, |t| {
@@ -186,7 +200,7 @@ impl<S: Spectrum> BeamGather<S> {
             beams.tree.around(here.origin, |piece| {
                 let shape = beams.tree.beam(piece.beam);
                 let lines = Lines::new(&here, shape.origin, shape.direction);
-                let pair = pair(&lines, &here, beams, piece, rules.kernel);
+                let pair = pair(&lines, &here, beams, piece, rules.kernel, sigma_t);
                 // Each place is uniform; one random number spreads over all.
                 turn = (turn + 0.618_034).fract();
                 let u = u.map(|u| (u + turn).fract());
@@ -221,6 +235,7 @@ fn pair<'a, S>(
     beams: &LightBeams<S>,
     piece: Piece,
     kernel: Kernel,
+    sigma_t: [f64; 2],
 ) -> Pair<'a> {
     let shape = beams.tree.beam(piece.beam);
     let [start, end] = shape.radii.map(f64::from);
@@ -234,6 +249,7 @@ fn pair<'a, S>(
             limits: shape.limits.map(f64::from),
         },
         kernel,
+        sigma_t,
     }
 }
 

@@ -19,7 +19,10 @@ impl Estimator for BeamBeam2DBeam {
         let chord = lines.beam_chord(pair.cone.largest(piece))?;
         let chord = overlap(chord, piece)?;
         let chord = overlap(chord, lines.beam_between([0.0, pair.t_max])?)?;
-        let [v, length] = place(chord, u[0]);
+        // t is v cos θ and a constant.
+        let [of_ray, of_beam] = pair.sigma_t;
+        let rate = of_beam + of_ray * lines.cos_theta();
+        let [v, length] = place(chord, rate, u[0]);
         let t = lines.ray_foot(v);
         let kernel = pair.kernel.weight_2d(
             lines.distance_squared(t, v) as f32,

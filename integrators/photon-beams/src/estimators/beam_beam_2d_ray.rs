@@ -19,7 +19,10 @@ impl Estimator for BeamBeam2DRay {
         let chord = lines.ray_chord(pair.cone.largest(piece))?;
         let chord = overlap(chord, [0.0, pair.t_max])?;
         let chord = overlap(chord, lines.ray_between(piece)?)?;
-        let [t, length] = place(chord, u[0]);
+        // v is t cos θ and a constant.
+        let [of_ray, of_beam] = pair.sigma_t;
+        let rate = of_ray + of_beam * lines.cos_theta();
+        let [t, length] = place(chord, rate, u[0]);
         let v = lines.beam_foot(t);
         let kernel = pair.kernel.weight_2d(
             lines.distance_squared(t, v) as f32,

@@ -19,7 +19,9 @@ impl Estimator for BeamBeam3D {
         let reach = pair.cone.largest(piece);
         let near = overlap(lines.beam_chord(reach)?, piece)?;
         let near = overlap(near, lines.beam_between([-reach, pair.t_max + reach])?)?;
-        let [v, beam] = place(near, u[0]);
+        let [of_ray, of_beam] = pair.sigma_t;
+        let rate = of_beam + of_ray * lines.cos_theta();
+        let [v, beam] = place(near, rate, u[0]);
         let radius = pair.cone.radius(v);
         let foot = lines.ray_foot(v);
         let half = (radius * radius - lines.distance_squared(foot, v)).sqrt();
@@ -27,7 +29,7 @@ impl Estimator for BeamBeam3D {
             return None;
         }
         let chord = overlap([foot - half, foot + half], [0.0, pair.t_max])?;
-        let [t, ray] = place(chord, u[1]);
+        let [t, ray] = place(chord, of_ray, u[1]);
         let kernel = pair
             .kernel
             .weight_3d(lines.distance_squared(t, v) as f32, radius as f32);

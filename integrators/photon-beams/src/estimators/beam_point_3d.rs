@@ -22,7 +22,7 @@ impl Estimator for BeamPoint3D {
             return None;
         }
         let chord = overlap([foot - half, foot + half], piece)?;
-        let [v, length] = place(chord, u[0]);
+        let [v, length] = place(chord, pair.sigma_t[1], u[0]);
         let distance_squared = lines.distance_squared(0.0, v) as f32;
         let radius = pair.cone.radius(v) as f32;
         let weight = f64::from(pair.kernel.weight_3d(distance_squared, radius)) * length;
