@@ -81,7 +81,7 @@ fn over_passes(
     let run = Run {
         passes,
         samples: 1,
-        seed: u64::from(radius.to_bits()),
+        seed: (1e3 * radius).round() as u64,
     };
     let one = |pass| {
         run.pass(&host, &method, pass, |radiance, sampler| {
