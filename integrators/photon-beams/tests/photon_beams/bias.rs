@@ -133,9 +133,9 @@ impl AtRadii {
 /// The bias, relative to the truth.
 fn bias(estimate: Estimate, tier: Tier) -> AtRadii {
     let passes = match (missing(estimate), estimate.takes_beams()) {
-        (3, _) => [2_000, 15_000],
-        (_, false) => [500, 4_000],
-        (2, _) => [100, 200],
+        (3, _) => [4_000, 40_000],
+        (_, false) => [2_000, 12_000],
+        (2, _) => [200, 1_200],
         _ => [20, 200].map(|passes| tier.passes([passes, 4 * passes])),
     };
     let at = |radius, passes| over_passes((estimate, radius), (2_000, 200, passes), |l| l - 1.0);
