@@ -47,6 +47,7 @@ impl Connection {
             mut ray,
             mut medium,
         } = self;
+        let end = ray.t_max.is_finite().then(|| ray.at(ray.t_max));
         let mut product = one;
         loop {
             let hit = host.intersect(&ray, medium);
@@ -55,11 +56,11 @@ impl Connection {
             {
                 return H::Spectrum::default();
             }
-            let end = hit.as_ref().map_or(ray.t_max, |(t, _)| *t);
+            let reached = hit.as_ref().map_or(ray.t_max, |(t, _)| *t);
             if let Some(m) = host.medium(medium) {
-                product *= m.transmittance(&ray.up_to(end), sampler);
+                product *= m.transmittance(&ray.up_to(reached), sampler);
             }
-            let Some((t, hit)) = hit else {
+            let Some((_, hit)) = hit else {
                 return product;
             };
             if product.is_black() {
@@ -67,11 +68,18 @@ impl Connection {
             }
             medium = host.medium_across(&hit, ray.direction, medium);
             let next = host.spawn(&Anchor::Surface(hit), ray.direction);
-            let walked = t + (next.origin - ray.at(t)).dot(ray.direction);
-            if walked >= ray.t_max {
-                return product;
-            }
-            ray = next.up_to(ray.t_max - walked);
+            ray = match end {
+                None => next,
+                // It starts beside the line: aimed at the same end again, it does not reach what lies
+                // behind that.
+                Some(end) => {
+                    let (direction, distance) = (end - next.origin).normalize_and_length();
+                    if direction.dot(ray.direction) <= 0.0 {
+                        return product;
+                    }
+                    Ray::new(next.origin, direction).up_to(distance)
+                }
+            };
         }
     }
 }

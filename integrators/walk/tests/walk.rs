@@ -1,10 +1,13 @@
 //! Walks and connections on analytic hosts. False alarms: 1e-3 a test, fixed seeds.
 
 use glam::Vec3;
+use std::path::Path;
 use tyndall_core::{
-    Anchor, Coefficients, LightEmission, MediumId, Ray, Rgb, Sampler, SensorRay, Spectrum,
+    Anchor, Coefficients, LightDirect, LightEmission, MediumId, Ray, Rgb, Sampler, Sensor,
+    SensorRay, Spectrum,
 };
 use tyndall_media::{Homogeneous, Phase};
+use tyndall_scene_io::{Scene, SceneFile};
 use tyndall_testkit::hosts::{AnalyticHost, Exitant, Interface, Light, View};
 use tyndall_testkit::rng;
 use tyndall_testkit::stats::{Moments, check_means};
@@ -125,4 +128,37 @@ fn a_connection_ends_at_a_surface() {
     let beside = Anchor::Point(Vec3::new(-3.0, 5.0, 0.0));
     let free = Connection::new(&host, &ends[0], &beside, MediumId::VACUUM);
     assert_eq!(free.transmittance(&host, &mut rng(1)), Rgb::splat(1.0));
+}
+
+/// Rays leave a null surface beside the line, by more the larger it is, and must not end behind the
+/// lamp: seen from aslant, all of one that hangs just above a box of fog shines into it.
+#[test]
+fn connections_end_before_what_they_connect() {
+    let text = r#"
+        camera = { position = [0, 1, 6], look_at = [0, 1, 0], fov = 40, medium = "fog" }
+        film = { width = 4, height = 4 }
+        media.fog = { kind = "homogeneous", sigma_a = 0, sigma_s = 1e-3 }
+        materials.lamp = { kind = "diffuse", reflectance = 0 }
+        materials.boundary = { kind = "null", inside = "fog" }
+        shapes = [
+            { kind = "box", min = [-25, -1, -25], max = [25, 2.39, 25], material = "boundary" },
+            { kind = "disk", center = [0, 2.7, 0], normal = [0, -1, 0], radius = 0.8,
+              material = "lamp", emission = 1 },
+        ]"#;
+    let file = SceneFile::parse(text, Path::new("lamp"), &[]);
+    let host: Scene<Rgb> = file.and_then(|file| file.build()).expect("a scene");
+    let (mut sampler, mut connected) = (rng(1), 0);
+    let fog = host.sensor_ray([0, 0], sampler.next()).medium;
+    for _ in 0..10_000 {
+        let [x, y, z] = sampler.next();
+        let p = Vec3::new(48.0 * x - 24.0, 3.3 * y - 0.95, 48.0 * z - 24.0);
+        let Some(light) = host.sample_direct(p, sampler.next()) else {
+            continue;
+        };
+        let connection = Connection::new(&host, &Anchor::Point(p), &light.target, fog);
+        let shines = connection.transmittance(&host, &mut sampler);
+        assert!(shines.channel(0) > 0.9, "{p}: {shines:?}");
+        connected += 1;
+    }
+    assert!(connected > 9_000, "{connected}");
 }
