@@ -197,7 +197,7 @@ impl<S: Spectrum> BeamGather<S> {
         let (wo, phase) = (-ray.direction, medium.phase(ray.origin));
         let mut scale = coefficients.sigma_s;
         if phase.is_isotropic() {
-            scale = scale * phase.eval(wo, wo);
+            scale *= phase.eval(wo, wo);
         } else {
             for met in met.iter_mut() {
                 let direction = beams.tree.beam(met.beam as usize).direction;
