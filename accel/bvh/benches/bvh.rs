@@ -218,10 +218,10 @@ fn beams(criterion: &mut Criterion) {
             for quality in [Quality::Fast, Quality::High] {
                 let id = BenchmarkId::new(format!("build {quality:?}"), count);
                 group.bench_function(id, |b| {
-                    b.iter(|| Beams::build(&shapes, quality).expect("good beams"))
+                    b.iter(|| Beams::build(&shapes).expect("good beams"))
                 });
             }
-            let beams = Beams::build(&shapes, Quality::Fast).expect("good beams");
+            let beams = Beams::build(&shapes).expect("good beams");
             let mut through = |name, rays: &[Ray], sum: &dyn Fn(&Ray) -> f64| {
                 group.throughput(Throughput::Elements(rays.len() as u64));
                 group.bench_function(BenchmarkId::new(name, count), |b| {

@@ -1,15 +1,21 @@
 //! Photon beams: cones in pieces, and which of them a ray or a point comes near.
 
-mod block;
+mod batch;
+mod cut;
+mod leaf;
+mod segment;
 mod shape;
-mod split;
 
-use crate::{BrokenTree, BuildError, Bvh, LANES, LEAF, Met, Quality};
-use block::{Block, Line, Segment};
+use crate::tree::Tree;
+use crate::{BrokenTree, BuildError, LANES};
+use batch::Batch;
+use fearless_simd::{Level, Simd, dispatch};
 use glam::Vec3;
+use leaf::{Block, Leaf, Line, Part};
 use rayon::prelude::*;
+use segment::Segment;
 pub use shape::{BeamShape, Piece};
-use tyndall_core::Ray;
+use tyndall_core::{Aabb, Ray};
 
 /// Beams, long ones in pieces, so that rays and points find those which they come near.
 ///
@@ -18,7 +24,7 @@ use tyndall_core::Ray;
 ///
 /// ```
 /// use glam::Vec3;
-/// use tyndall_bvh::{BeamShape, Beams, Quality};
+/// use tyndall_bvh::{BeamShape, Beams};
 /// use tyndall_core::Ray;
 /// let laser = BeamShape {
 ///     origin: Vec3::ZERO,
@@ -27,7 +33,7 @@ use tyndall_core::Ray;
 ///     radii: [0.1, 0.2],
 ///     limits: BeamShape::UNLIMITED,
 /// };
-/// let beams = Beams::build(&[laser], Quality::Fast)?;
+/// let beams = Beams::build(&[laser])?;
 /// let place = laser.at(4.0).as_vec3();
 /// let mut met = 0;
 /// beams.near(&Ray::new(place - Vec3::X, Vec3::X), |piece| met += usize::from(piece.holds(4.0)));
@@ -38,34 +44,27 @@ use tyndall_core::Ray;
 /// ```
 #[derive(Clone, Debug)]
 pub struct Beams {
-    bvh: Bvh,
-    /// A capsule around each block of a leaf.
-    leaves: Vec<Block>,
+    tree: Tree,
+    leaves: Vec<Leaf>,
     blocks: Vec<Block>,
-    /// The beam of each slot.
-    owners: Vec<u32>,
-    beams: Vec<Beam>,
+    shapes: Vec<BeamShape>,
 }
 
-#[derive(Clone, Debug)]
-struct Beam {
-    shape: BeamShape,
-    pieces: u16,
+/// Where pieces of a beam may start and end: so many steps of the same length.
+const STEPS: u16 = u16::MAX;
+
+/// A distance in steps.
+#[inline]
+fn bound(shape: &BeamShape, steps: u16) -> f32 {
+    shape.length * (f32::from(steps) / f32::from(STEPS))
 }
 
-impl Beam {
-    /// Where piece `number` starts, and that before it ends.
-    #[inline]
-    fn bound(&self, number: u16) -> f32 {
-        self.shape.length * (f32::from(number) / f32::from(self.pieces))
-    }
-
-    fn piece(&self, number: u16) -> Segment {
-        let [start, end] = [number, number + 1].map(|number| f64::from(self.bound(number)));
-        Segment {
-            ends: [start, end].map(|v| self.shape.at(v)),
-            radius: self.shape.radius(start).max(self.shape.radius(end)),
-        }
+/// A piece of a beam, from one step to another.
+fn segment(shape: &BeamShape, steps: [u16; 2]) -> Segment {
+    let [start, end] = steps.map(|steps| f64::from(bound(shape, steps)));
+    Segment {
+        ends: [start, end].map(|v| shape.at(v)),
+        radius: shape.radius(start).max(shape.radius(end)),
     }
 }
 
@@ -75,10 +74,10 @@ impl Beams {
     ///
     /// # Errors
     /// A coordinate of an end or a radius is not finite or beyond 1e18, a length or a limit of radii
-    /// is negative, the smallest radius is larger than the largest, the length of a direction is farther than 1e-3 from 1, or there are more than
-    /// `u32::MAX` beams or pieces.
-    pub fn build(shapes: &[BeamShape], quality: Quality) -> Result<Self, BuildError> {
-        if shapes.len() > u32::MAX as usize {
+    /// is negative, the smallest radius is larger than the largest, the length of a direction is
+    /// farther than 1e-3 from 1, or there are more than 2²⁷ beams.
+    pub fn build(shapes: &[BeamShape]) -> Result<Self, BuildError> {
+        if shapes.len() > 1 << 27 {
             let count = shapes.len();
             return Err(BuildError::TooMany { count });
         }
@@ -86,35 +85,15 @@ impl Beams {
         if let Some(fault) = shapes.par_iter().enumerate().find_map_first(fault) {
             return Err(fault);
         }
-        let beams = split::into_pieces(shapes);
-        let numbers = |(index, beam): (usize, &Beam)| {
-            let pieces = beam.pieces;
-            (0..pieces).map(move |number| (index as u32, number))
-        };
-        let pieces: Vec<(u32, u16)> = beams
-            .par_iter()
-            .enumerate()
-            .flat_map_iter(numbers)
-            .collect();
-        let segment = |&(beam, number): &(u32, u16)| beams[beam as usize].piece(number);
-        let bounds: Vec<_> = pieces.par_iter().map(|id| segment(id).bounds()).collect();
-        let (bvh, order) = Bvh::over(&bounds, quality)?;
-        let ids: Vec<_> = order.par_iter().map(|&i| pieces[i as usize]).collect();
-        let segments = |ids: &[(u32, u16)]| ids.iter().map(segment).collect::<Vec<_>>();
-        let block = |ids: &[(u32, u16)]| Block::new(&segments(ids), |lane| ids[lane].1);
-        let blocks = ids.par_chunks(LANES).map(block).collect();
-        let screen = |ids: &[(u32, u16)]| {
-            let capsules: Vec<_> = segments(ids).chunks(LANES).map(Segment::around).collect();
-            Block::new(&capsules, |_| 0)
-        };
-        let leaves = ids.par_chunks(LEAF).map(screen).collect();
-        let owners = ids.par_iter().map(|id| id.0).collect();
+        let mut grown = cut::grow(shapes);
+        grown.nodes.shrink_to_fit();
+        grown.leaves.shrink_to_fit();
+        grown.blocks.shrink_to_fit();
         Ok(Self {
-            bvh,
-            leaves,
-            blocks,
-            owners,
-            beams,
+            tree: Tree { nodes: grown.nodes },
+            leaves: grown.leaves,
+            blocks: grown.blocks,
+            shapes: shapes.to_vec(),
         })
     }
 
@@ -122,10 +101,33 @@ impl Beams {
     /// radius of the piece, and for a few that it does not, in no particular order.
     #[inline]
     pub fn near(&self, ray: &Ray, mut visit: impl FnMut(Piece)) {
-        let line = Line::new(ray);
-        let test = |block: usize| (self.blocks[block].near(&line), []);
-        let visit = |met: &Met<'_, 0>| met.each(|slot, []| visit(self.piece(slot)));
-        (self.bvh).meet(ray, |leaf| self.leaves[leaf].near(&line), test, visit);
+        self.slots_near(ray, &mut |slots| {
+            for &slot in slots {
+                visit(self.piece(slot as usize));
+            }
+        });
+    }
+
+    /// Calls `visit` with the slots of those pieces, some at a time.
+    fn slots_near(&self, ray: &Ray, visit: &mut dyn FnMut(&[u32])) {
+        dispatch!(Level::new(), simd => self.slots_near_by(simd, ray, visit));
+    }
+
+    #[inline(always)] // into code for the level of the machine
+    fn slots_near_by<S: Simd>(&self, simd: S, ray: &Ray, visit: &mut dyn FnMut(&[u32])) {
+        let line = Line::new(simd, ray);
+        let mut batch = Batch::new();
+        self.tree.traverse(
+            ray,
+            #[inline(always)]
+            |leaf| {
+                batch.push(&self.leaves[leaf], &self.blocks, &line);
+                if batch.is_full() {
+                    visit(batch.run(&self.blocks, &line));
+                }
+            },
+        );
+        visit(batch.run(&self.blocks, &line));
     }
 
     /// As [`Beams::near`], for a point.
@@ -136,26 +138,20 @@ impl Beams {
 
     #[inline]
     fn piece(&self, slot: usize) -> Piece {
-        let number = self.blocks[slot / LANES].number(slot % LANES);
-        self.piece_of(self.owners[slot] as usize, number)
-    }
-
-    #[inline]
-    fn piece_of(&self, beam: usize, number: u16) -> Piece {
-        let owner = &self.beams[beam];
+        let Part { beam, numbers } = self.blocks[slot / LANES].part(slot % LANES);
+        let shape = &self.shapes[beam as usize];
+        let [start, end] = numbers.map(|number| bound(shape, number));
         Piece {
-            beam,
-            start: owner.bound(number),
-            end: owner.bound(number + 1),
+            beam: beam as usize,
+            start,
+            end,
         }
     }
 
-    /// The pieces of a beam, by its index as given to [`Beams::build`], from its start to its end.
-    ///
-    /// # Panics
-    /// There is no such beam.
-    pub fn pieces_of(&self, beam: usize) -> impl Iterator<Item = Piece> {
-        (0..self.beams[beam].pieces).map(move |number| self.piece_of(beam, number))
+    /// All pieces, in no particular order.
+    pub fn pieces(&self) -> impl Iterator<Item = Piece> {
+        let slots = self.leaves.iter().flat_map(Leaf::slots);
+        slots.map(|slot| self.piece(slot))
     }
 
     /// A beam, by its index as given to [`Beams::build`].
@@ -164,62 +160,79 @@ impl Beams {
     /// There is no such beam.
     #[inline]
     pub fn beam(&self, index: usize) -> &BeamShape {
-        &self.beams[index].shape
+        &self.shapes[index]
     }
 
     /// Beams, those that are never met included.
     pub fn len(&self) -> usize {
-        self.beams.len()
+        self.shapes.len()
     }
 
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
-        self.beams.is_empty()
-    }
-
-    /// Pieces of all beams.
-    pub fn pieces(&self) -> usize {
-        self.owners.len()
+        self.shapes.is_empty()
     }
 
     /// Bytes of nodes, pieces and beams.
     pub fn bytes(&self) -> usize {
-        self.bvh.bytes()
+        self.tree.bytes()
             + size_of_val(self.leaves.as_slice())
             + size_of_val(self.blocks.as_slice())
-            + size_of_val(self.owners.as_slice())
-            + size_of_val(self.beams.as_slice())
+            + size_of_val(self.shapes.as_slice())
     }
 
-    /// As [`Bvh::validate`]; every piece of a beam is in one slot, and in the capsule of its block.
+    /// As [`Bvh::validate`](crate::Bvh::validate); the pieces of a beam hold each of its distances
+    /// once, and what is tested for a piece holds it.
     ///
     /// # Errors
     /// The first fault found.
     pub fn validate(&self) -> Result<(), BrokenTree> {
-        let pieces = |beam: &Beam| vec![false; usize::from(beam.pieces)];
-        let mut found: Vec<_> = self.beams.iter().map(pieces).collect();
-        for (slot, &owner) in self.owners.iter().enumerate() {
-            let (block, lane) = (slot / LANES, slot % LANES);
-            let (beam, number) = (owner as usize, self.blocks[block].number(lane));
-            let of_beam = found.get_mut(beam);
-            match of_beam.and_then(|found| found.get_mut(usize::from(number))) {
-                Some(found) if !*found => *found = true,
-                _ => return Err(BrokenTree::Piece { beam }),
+        let slots = || self.leaves.iter().flat_map(Leaf::slots);
+        let mut parts: Vec<_> = slots().map(|slot| self.part(slot)).collect();
+        parts.sort_unstable_by_key(|part| (part.beam, part.numbers));
+        let mut rest = parts.as_slice();
+        for (beam, shape) in self.shapes.iter().enumerate() {
+            let count = rest
+                .iter()
+                .take_while(|part| part.beam as usize == beam)
+                .count();
+            let (of_beam, others) = rest.split_at(count);
+            rest = others;
+            let mut ends = of_beam.iter().map(|part| part.numbers);
+            let end = ends.try_fold(0, |at, [start, end]| {
+                (at == start && start < end).then_some(end)
+            });
+            let whole = if shape.has_volume() { STEPS } else { 0 };
+            if end != Some(whole) {
+                return Err(BrokenTree::Piece { beam });
             }
-            let piece = self.beams[beam].piece(number);
-            let capsule = &self.leaves[slot / LEAF];
-            if !self.blocks[block].holds(lane, &piece) || !capsule.holds(block % LANES, &piece) {
+        }
+        if let Some(part) = rest.first() {
+            return Err(BrokenTree::Piece {
+                beam: part.beam as usize,
+            });
+        }
+        for leaf in &self.leaves {
+            let loose = |&slot: &usize| !leaf.holds(&self.blocks, slot, &self.segment(slot));
+            if let Some(slot) = leaf.slots().find(loose) {
                 return Err(BrokenTree::Capsule { slot });
             }
         }
-        if let Some(beam) = found.iter().position(|found| found.contains(&false)) {
-            return Err(BrokenTree::Piece { beam });
-        }
-        self.bvh.validate(|slot| {
-            let number = self.blocks[slot / LANES].number(slot % LANES);
-            let owner = &self.beams[self.owners[slot] as usize];
-            owner.piece(number).bounds()
+        self.tree.validate(self.leaves.len(), |leaf| {
+            let bounds = self.leaves[leaf]
+                .slots()
+                .map(|slot| self.segment(slot).bounds());
+            bounds.fold(Aabb::EMPTY, Aabb::union)
         })
+    }
+
+    fn part(&self, slot: usize) -> Part {
+        self.blocks[slot / LANES].part(slot % LANES)
+    }
+
+    fn segment(&self, slot: usize) -> Segment {
+        let Part { beam, numbers } = self.part(slot);
+        segment(&self.shapes[beam as usize], numbers)
     }
 }
 
@@ -237,49 +250,44 @@ mod tests {
             limits: BeamShape::UNLIMITED,
         };
         let shapes: Vec<_> = (0..100).map(beam).collect();
-        let beams = Beams::build(&shapes, Quality::Fast).expect("good beams");
+        let beams = Beams::build(&shapes).expect("good beams");
         assert_eq!(beams.validate(), Ok(()));
-        assert_eq!(beams.pieces(), 400);
+        assert!(beams.pieces().count() > 100);
         let broken = |spoil: &dyn Fn(&mut Beams)| {
             let mut beams = beams.clone();
             spoil(&mut beams);
             beams.validate()
         };
-        let owner = beams.owners[7] as usize;
-        let twice = broken(&|beams| beams.owners[8] = beams.owners[7]);
-        assert!(
-            matches!(
-                twice,
-                Err(BrokenTree::Capsule { slot: 8 }) | Err(BrokenTree::Piece { .. })
-            ),
-            "{twice:?}"
-        );
-        let beam = 1 << 20;
-        let none = broken(&|beams| beams.owners[7] = 1 << 20);
-        assert_eq!(none, Err(BrokenTree::Piece { beam }));
-        let lost = broken(&|beams| beams.beams[owner].pieces += 1);
-        assert!(lost.is_err());
-        let last = beams.len();
-        let missing = broken(&|beams| beams.beams.push(beams.beams[0].clone()));
-        assert_eq!(missing, Err(BrokenTree::Piece { beam: last }));
-        let wider = broken(&|beams| beams.beams[owner].shape.radii[1] = 1.0);
-        assert!(
-            matches!(wider, Err(BrokenTree::Capsule { .. })),
-            "{wider:?}"
-        );
-        let block = broken(&|beams| beams.blocks.swap(1, 2));
-        assert!(block.is_err());
-        let capsule = broken(&|beams| beams.leaves.swap(0, 1));
-        assert_eq!(capsule, Err(BrokenTree::Capsule { slot: 0 }));
+        let Part { beam, numbers } = beams.part(7);
+        let beam = beam as usize;
+        let piece = Err(BrokenTree::Piece { beam });
+        let longer = [numbers[0], numbers[1] + 1];
+        assert_eq!(broken(&|beams| beams.blocks[0].numbers[7] = longer), piece);
+        let [first, last] = [0, 99].map(|beam| Err(BrokenTree::Piece { beam }));
+        let twice = broken(&|beams| beams.blocks[0].beams[7] = 99);
+        assert!([piece, last].contains(&twice), "{twice:?}");
+        let none = broken(&|beams| beams.blocks[0].beams[7] = 1 << 20);
+        assert!([piece, Err(BrokenTree::Piece { beam: 1 << 20 })].contains(&none));
+        let missing = broken(&|beams| beams.shapes.push(shapes[0]));
+        assert_eq!(missing, Err(BrokenTree::Piece { beam: 100 }));
+        let empty = broken(&|beams| beams.shapes[0].radii = [0.0; 2]);
+        assert_eq!(empty, first);
+        let capsule = |result| matches!(result, Err(BrokenTree::Capsule { .. }));
+        let wider = broken(&|beams| beams.shapes[beam].radii[1] = 1.0);
+        assert!(capsule(wider), "{wider:?}");
+        let moved = broken(&|beams| beams.blocks[0].ends[1][7] ^= 1 << 8);
+        assert_eq!(moved, Err(BrokenTree::Capsule { slot: 7 }));
+        let far = BeamShape {
+            origin: Vec3::Y,
+            ..shapes[0]
+        };
         let tree = broken(&|beams| {
-            let far = BeamShape {
-                origin: Vec3::Y,
-                ..shapes[0]
-            };
-            beams.bvh = Beams::build(&[far; 100], Quality::Fast)
-                .expect("good beams")
-                .bvh;
+            beams.tree = Beams::build(&[far; 100]).expect("good beams").tree;
         });
-        assert!(matches!(tree, Err(BrokenTree::Outside { .. })), "{tree:?}");
+        let known = matches!(
+            tree,
+            Err(BrokenTree::Outside { .. } | BrokenTree::Child { .. })
+        );
+        assert!(known, "{tree:?}");
     }
 }

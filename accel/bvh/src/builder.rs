@@ -31,9 +31,9 @@ struct Item {
 }
 
 /// Items below which a task is not worth its start.
-const TASK: usize = 8192;
+pub(crate) const TASK: usize = 8192;
 /// Levels after which even `High` splits evenly, so that no tree is deeper than [`MAX_DEPTH`].
-const LEVELS_BY_COST: usize = 20;
+pub(crate) const LEVELS_BY_COST: usize = 20;
 /// Evenly, 2³² slots are 8⁹ leaves and a little.
 pub(crate) const MAX_DEPTH: usize = LEVELS_BY_COST + 10;
 
@@ -88,7 +88,7 @@ impl Builder<'_> {
             };
             let grown: Vec<_> = parts.into_par_iter().map(grow).collect();
             for (lane, ((bounds, child), mut below)) in grown.into_iter().enumerate() {
-                let child = child.moved(nodes.len() - root);
+                let child = child.moved(nodes.len() - root, 0);
                 nodes.append(&mut below);
                 adopt(nodes, lane, (bounds, child));
             }

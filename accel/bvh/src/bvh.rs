@@ -1,8 +1,7 @@
 //! The tree.
 
-use crate::builder::{self, MAX_DEPTH};
-use crate::node::{Child, Node, Slabs};
-use crate::{BrokenTree, BuildError, LANES, LEAF, Quality, is_within};
+use crate::tree::Tree;
+use crate::{BrokenTree, BuildError, LEAF, Quality, builder, is_within};
 use rayon::prelude::*;
 use std::ops::Range;
 use tyndall_core::{Aabb, Ray};
@@ -10,12 +9,9 @@ use tyndall_core::{Aabb, Ray};
 /// A tree over boxes. Its leaves are ranges of slots; what is in a slot, its owner knows.
 #[derive(Clone, Debug)]
 pub struct Bvh {
-    nodes: Vec<Node>,
+    tree: Tree,
     slots: usize,
 }
-
-/// What waits on the way down: seven siblings a level, and the root.
-const STACK: usize = (LANES - 1) * MAX_DEPTH + 1;
 
 impl Bvh {
     /// A tree over `bounds`, and the index of the primitive of each slot.
@@ -43,39 +39,20 @@ impl Bvh {
     /// As [`Bvh::build`], over boxes known to be good.
     pub(crate) fn over(bounds: &[Aabb], quality: Quality) -> Result<(Self, Vec<u32>), BuildError> {
         let (nodes, order) = builder::build(bounds, quality)?;
-        let slots = order.len();
-        Ok((Self { nodes, slots }, order))
+        let (tree, slots) = (Tree { nodes }, order.len());
+        Ok((Self { tree, slots }, order))
     }
 
     /// Calls `visit` with the slots of every leaf whose box the ray meets in `[0, t_max]`, once
     /// each and in no particular order.
     #[inline]
     pub fn traverse(&self, ray: &Ray, mut visit: impl FnMut(Range<usize>)) {
-        let slabs = Slabs::new(ray);
-        let mut stack = [0u32; STACK];
-        let mut waiting = usize::from(!self.nodes.is_empty());
-        while waiting > 0 {
-            waiting -= 1;
-            let index = stack[waiting];
-            let node = &self.nodes[index as usize];
-            let mut met = node.meets(&slabs);
-            while met != 0 {
-                let lane = met.trailing_zeros() as usize;
-                met &= met - 1;
-                match node.child(lane) {
-                    Child::Node(offset) => {
-                        stack[waiting] = index + offset;
-                        waiting += 1;
-                    }
-                    Child::Leaf(leaf) => visit(self.slots_of(leaf)),
-                }
-            }
-        }
+        self.tree.traverse(ray, |leaf| visit(self.slots_of(leaf)));
     }
 
     #[inline]
-    fn slots_of(&self, leaf: u32) -> Range<usize> {
-        let start = leaf as usize * LEAF;
+    fn slots_of(&self, leaf: usize) -> Range<usize> {
+        let start = leaf * LEAF;
         start..(start + LEAF).min(self.slots)
     }
 
@@ -91,7 +68,7 @@ impl Bvh {
 
     /// Bytes of the nodes.
     pub fn bytes(&self) -> usize {
-        size_of_val(self.nodes.as_slice())
+        self.tree.bytes()
     }
 
     /// Whether every node and every leaf is met once and lies in the box above it. `bounds` is the
@@ -100,48 +77,18 @@ impl Bvh {
     /// # Errors
     /// The first fault found.
     pub fn validate(&self, bounds: impl Fn(usize) -> Aabb) -> Result<(), BrokenTree> {
-        let mut nodes = vec![false; self.nodes.len()];
-        let mut leaves = vec![false; self.slots.div_ceil(LEAF)];
-        if let Some(root) = nodes.first_mut() {
-            *root = true;
-        }
-        for (index, node) in self.nodes.iter().enumerate() {
-            let lanes = (0..LANES).map(|lane| (lane, node.bounds(lane), node.child(lane)));
-            for (lane, above, child) in lanes.filter(|(_, above, _)| !above.is_empty()) {
-                let (met, below) = match child {
-                    Child::Node(offset) => {
-                        let behind = index + offset as usize;
-                        let below = self.nodes.get(behind).filter(|_| offset > 0);
-                        (
-                            nodes.get_mut(behind),
-                            below.map_or(Aabb::EMPTY, Node::whole),
-                        )
-                    }
-                    Child::Leaf(leaf) => {
-                        let below = self.slots_of(leaf).map(&bounds);
-                        let below = below.fold(Aabb::EMPTY, Aabb::union);
-                        (leaves.get_mut(leaf as usize), below)
-                    }
-                };
-                match met {
-                    Some(met) if !*met => *met = true,
-                    _ => return Err(BrokenTree::Child { node: index, lane }),
-                }
-                if below.is_empty() || above.union(below) != above {
-                    return Err(BrokenTree::Outside { node: index, lane });
-                }
-            }
-        }
-        match nodes.iter().chain(&leaves).filter(|met| !**met).count() {
-            0 => Ok(()),
-            count => Err(BrokenTree::Unreachable { count }),
-        }
+        let of_leaf = |leaf| {
+            let slots = self.slots_of(leaf).map(&bounds);
+            slots.fold(Aabb::EMPTY, Aabb::union)
+        };
+        self.tree.validate(self.slots.div_ceil(LEAF), of_leaf)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::node::Child;
     use glam::Vec3;
 
     fn unit(i: usize) -> Aabb {
@@ -160,15 +107,15 @@ mod tests {
         assert_eq!(tree.validate(of_slot), Ok(()));
         let broken = |lane, bounds, child| {
             let mut tree = tree.clone();
-            tree.nodes[0].set(lane, bounds, child);
+            tree.tree.nodes[0].set(lane, bounds, child);
             tree.validate(of_slot)
         };
         let [node, lane] = [0, 1];
-        let (above, child) = (tree.nodes[0].bounds(1), tree.nodes[0].child(1));
+        let (above, child) = (tree.tree.nodes[0].bounds(1), tree.tree.nodes[0].child(1));
         let outside = Err(BrokenTree::Outside { node, lane });
         assert_eq!(broken(1, unit(500), child), outside);
-        let first = tree.nodes[0].child(0);
-        let everything = tree.nodes[0].whole();
+        let first = tree.tree.nodes[0].child(0);
+        let everything = tree.tree.nodes[0].whole();
         let twice = Err(BrokenTree::Child { node: 0, lane: 1 });
         assert_eq!(
             broken(1, everything, first).map_err(|e| matches!(e, BrokenTree::Child { .. })),

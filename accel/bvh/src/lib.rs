@@ -44,21 +44,24 @@
 //!   `normalize` gives it is of length 1 to 4u, which adds 8u·w: 16u = 9.6e-7 in all.)
 //! - No piece of a beam is missed that comes as near to a ray, or to a point, as its largest radius
 //!   r, to the last bit: at any angle, parallel too, at any place, and in the node boxes, which are
-//!   rounded to the outside. For this, r grows by 1e-18 and by 3e-6 (50u) of the distance to the
-//!   start of the piece, of twice its length, of 2r, and of the size of its block; so near, pieces
-//!   may be shown in vain. Coordinates of both ends and radii are up to 1e18.
+//!   rounded to the outside. For this, r grows by how far the grid of its leaf is off, by a sixteenth
+//!   of the largest of its block, by 1e-18 and by 3e-6 (50u) of the distance to the start of the
+//!   piece, of twice its length, of 2r, and of twice the size of its leaf; so near, pieces may be
+//!   shown in vain. Coordinates of both ends and radii are up to 1e18.
 //! - The pieces of a beam hold each of its distances once, to the bit.
 //!
 //!   Why 50u is enough: with w the distance from the origin of the ray to the start of a piece of
-//!   length l, at a from the middle of its block. What is stored is right to u(a + l); subtracting
-//!   origins adds u(2w + a), subtracting the parts along the ray 2u(w + l): so much the places are
-//!   off. The parts along are off too, by 3u, and the direction has length 1 to 4u, so that what is
-//!   left is across the ray to 11u(w + l) only, and Pythagoras off by as much. That the two lines are
-//!   nearly parallel does no harm: the place on the piece is sought with the vectors as they came out,
-//!   whose distance depends on that place by its own sine, 8u·l + 3u·r in all. The way back from the
-//!   ray to the piece, which matters at the ends of the ray, is off by 30u·w + 18u·l. Together 45u·w,
-//!   42u·l, 2u·a and 10u·r; and w, not known when the piece is stored, is at most l and r more than
-//!   its part along the ray.
+//!   length l, in a leaf of size a. Points of the grid are whole numbers times a step: to u·a, the
+//!   piece to u·l; subtracting origins adds u(2w + a), subtracting the parts along the ray 2u(w + l):
+//!   so much the places are off. The parts along are off too, by 3u, and the direction has length 1
+//!   to 4u, so that what is left is across the ray to 11u(w + l) only, and Pythagoras off by as much.
+//!   That the two lines are nearly parallel does no harm: the place on the piece is sought with the
+//!   vectors as they came out, whose distance depends on that place by its own sine, 8u·l + 3u·r in
+//!   all. The way back from the ray to the piece, which matters at the ends of the ray, is off by
+//!   30u·w + 18u·l. Together 45u·w, 42u·l, 2u·a and 10u·r; and w, not known when the piece is stored,
+//!   is at most l and r more than its part along the ray. Most pieces are told by their lines before:
+//!   |w·n| > r|n|, n the cross product of ray and piece. It is off by 6u·l, the product by 11u·w·l
+//!   and 2u·a|n|, squares by 3u; 50u·w·l are taken off. Where w < r there is nothing to tell.
 //! - The same tree on any number of threads.
 //!
 //! # Cost
@@ -68,18 +71,19 @@
 //! cube root of their number. Memory: 23 bytes a disc, 24 in [`Quality::High`] (16 the disc, 4 its
 //! order, the rest spheres and nodes).
 //!
-//! Beams: 48 bytes a beam (its shape is 44) and 41 a piece (28 the segment and its radius, 2 its
-//! number, 2 the middle of the block, 4 its beam, 4 the capsule of the block, a half the node), with
-//! 4 pieces a beam at most on the mean. They are given such that all pieces have boxes of the same
-//! surface, as a cut saves most where boxes are largest: none to beams along axes, none shorter than
-//! a few radii. Blocks have capsules around them, not boxes: in bundles a ray tests few. Where beams
-//! get thinner as they get more, so that a ray meets the same number, its time grows with less than
-//! their number (README).
+//! Beams: 44 bytes a beam (its shape) and 21 to 24 a piece (8 its ends, 4 its beam, 4 its part of
+//! it, the rest leaves, of 40 pieces on the mean, and nodes), with 16 pieces a beam at most on the
+//! mean. Space is cut where rays are then shown the fewest pieces, beams with it, as in Stich,
+//! Friedrich & Dietrich 2009: bundles along an axis are parted without a cut, and what is much larger
+//! than the rest gets a leaf of its own. Where beams get thinner as they get more, so that a ray meets
+//! the same number, its time grows with less than their number (README).
 //!
 //! # References
 //! - Jarosz, Zwicker & Jensen 2008, "The beam radiance estimate for volumetric photon mapping".
 //! - Wald 2007, "On fast construction of SAH-based bounding volume hierarchies": bins.
 //! - Wald, Benthin & Boulos 2008, "Getting rid of packets": wide nodes.
+//! - Stich, Friedrich & Dietrich 2009, "Spatial splits in bounding volume hierarchies": cuts. Here
+//!   they are halves of boxes, and of a number that each subtree is given its share of.
 //! - Jarosz, Nowrouzezahrai, Sadeghi & Jensen 2011, "A comprehensive theory of volumetric radiance
 //!   estimation using photon points and beams": beams, split for tight bounds.
 //! - Ericson 2005, "Real-time collision detection", 5.1.9: closest points of segments.
@@ -95,6 +99,7 @@ mod discs;
 mod error;
 mod meet;
 mod node;
+mod tree;
 mod values;
 
 pub use beams::{BeamShape, Beams, Piece};

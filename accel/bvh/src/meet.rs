@@ -135,7 +135,7 @@ impl<const K: usize> Batch<K> {
 const ROW: u64 = u64::from_le_bytes([LANES as u8; 8]);
 
 /// For every set of lanes: their numbers, a byte each from the lowest, and how many there are.
-const PACKED: [(u64, usize); 256] = {
+pub(crate) const PACKED: [(u64, usize); 256] = {
     let mut packed = [(0, 0); 256];
     let mut mask = 0;
     while mask < 256 {

@@ -15,11 +15,11 @@ pub(crate) enum Child {
 }
 
 impl Child {
-    /// The same child, seen from so many nodes before.
-    pub(crate) fn moved(self, by: usize) -> Self {
+    /// The same child, seen from so many nodes before, where so many leaves are before it.
+    pub(crate) fn moved(self, nodes: usize, leaves: usize) -> Self {
         match self {
-            Self::Node(offset) => Self::Node(offset + by as u32),
-            leaf @ Self::Leaf(_) => leaf,
+            Self::Node(offset) => Self::Node(offset + nodes as u32),
+            Self::Leaf(leaf) => Self::Leaf(leaf + leaves as u32),
         }
     }
 }
@@ -56,6 +56,16 @@ impl Node {
             Child::Node(offset) => offset,
             Child::Leaf(leaf) => leaf | LEAF_BIT,
         };
+    }
+
+    /// Where so many leaves are before those that it was made with.
+    pub(crate) fn move_leaves(&mut self, by: usize) {
+        for lane in 0..LANES {
+            self.children[lane] = match self.child(lane).moved(0, by) {
+                Child::Leaf(leaf) => leaf | LEAF_BIT,
+                Child::Node(offset) => offset,
+            };
+        }
     }
 
     #[inline]

@@ -30,8 +30,9 @@ pub struct Lines {
 
 impl Lines {
     /// Of a ray, and of a beam from `origin` along the unit vector `direction`.
+    #[inline]
     pub fn new(ray: &Ray, origin: Vec3, direction: Vec3) -> Self {
-        let [d1, d2] = [ray.direction, direction].map(|d| d.as_dvec3().normalize());
+        let [d1, d2] = [ray.direction, direction].map(|d| unit(d.as_dvec3()));
         let normal = d1.cross(d2);
         Self {
             w: origin.as_dvec3() - ray.origin.as_dvec3(),
@@ -138,4 +139,16 @@ fn between([low, high]: [f64; 2], slope: f64) -> Option<[f64; 2]> {
     }
     let ends = [low / slope, high / slope];
     Some([ends[0].min(ends[1]), ends[0].max(ends[1])])
+}
+
+/// A vector scaled to length 1. Those that are so to the digits of `f32` need neither a root nor a
+/// division: with |d|² = 1 + e, the first terms of 1/√(1 + e) leave 5/16 e³.
+#[inline]
+fn unit(d: DVec3) -> DVec3 {
+    let e = d.length_squared() - 1.0;
+    if e.abs() < 1e-6 {
+        d * (1.0 - e * (0.5 - 0.375 * e))
+    } else {
+        d.normalize()
+    }
 }

@@ -143,8 +143,14 @@ impl<S: Spectrum> Fading<S> {
     /// What arrives at a distance, over the flux at the start.
     #[inline]
     pub(crate) fn transmittance(&self, v: f32) -> S {
+        S::from_channels(|c| (-self.depth(c, v)).exp())
+    }
+
+    /// The same as an optical depth, of one channel.
+    #[inline]
+    pub(crate) fn depth(&self, channel: usize, v: f32) -> f32 {
         let fewer = self.clearest * (v - self.full).max(0.0);
-        self.sigma_t.map(|sigma_t| (fewer - sigma_t * v).exp())
+        self.sigma_t.channel(channel) * v - fewer
     }
 }
 

@@ -10,13 +10,16 @@ use crate::{Estimate, Extent};
 use glam::Vec3;
 use tyndall_bvh::Piece;
 use tyndall_core::{Coefficients, Medium, PhaseFunction, Ray, Sampler, Spectrum};
-use tyndall_density::{Kernel, Lines};
+use tyndall_density::{Kernel, Lines, exp_negative};
 use tyndall_photons::{March, Transmittance};
 use tyndall_walk::{DepthTable, Flights};
 
 /// Sines of the angle between a ray and a beam: from the second on it is met in one dimension, up
 /// to the first in two, and in between in both, by shares that sum to one.
 const HANDOVER: [f64; 2] = [0.03, 0.1];
+
+/// Beams that many a ray meets: room for them is made at once.
+const MET: usize = 256;
 
 /// How beams are gathered.
 #[derive(Clone, Copy, Debug)]
@@ -47,6 +50,8 @@ impl Rules {
 pub(crate) struct BeamGather<S> {
     rules: Rules,
     met: Vec<Met>,
+    /// Transmittance to what is met, of one channel.
+    row: Vec<f32>,
     table: DepthTable<S>,
     flights: Flights<S>,
     /// Largest error of transmittance met.
@@ -56,7 +61,7 @@ pub(crate) struct BeamGather<S> {
 /// A beam that a ray meets.
 #[derive(Clone, Copy, Debug)]
 struct Met {
-    beam: usize,
+    beam: u32,
     t: f32,
     v: f32,
     weight: f32,
@@ -68,6 +73,7 @@ impl<S: Spectrum> BeamGather<S> {
         Self {
             rules,
             met: Vec::new(),
+            row: Vec::new(),
             table: DepthTable::default(),
             flights: Flights::default(),
             error: 0.0,
@@ -115,13 +121,14 @@ impl<S: Spectrum> BeamGather<S> {
         let Self { rules, met, .. } = self;
         let sigma_t = rules.fading(medium.homogeneous());
         met.clear();
+        met.reserve(MET);
         beams.tree.near(ray, |piece| {
             let shape = beams.tree.beam(piece.beam);
             let lines = Lines::new(ray, shape.origin, shape.direction);
             let pair = pair(&lines, ray, beams, piece, rules.kernel, sigma_t);
             let mut meet = |meeting: Option<Meeting>, share: f64| {
                 met.extend(meeting.map(|Meeting { t, v, weight }| Met {
-                    beam: piece.beam,
+                    beam: piece.beam as u32,
                     t: t as f32,
                     v: v as f32,
                     weight: (weight * share) as f32,
@@ -138,6 +145,9 @@ impl<S: Spectrum> BeamGather<S> {
                 meet(BeamBeam2DRay::meet(&pair, sampler.next()), share);
             }
         });
+        if let (Some(coefficients), Extent::Long) = (medium.homogeneous(), rules.sight) {
+            return self.sum_even(beams, medium, coefficients, ray);
+        }
         let Some(farthest) = met.iter().map(|met| met.t).reduce(f32::max) else {
             return S::default();
         };
@@ -165,19 +175,71 @@ impl<S: Spectrum> BeamGather<S> {
             table,
             flights,
             error,
+            ..
         } = self;
         let even = medium.homogeneous();
-        let sight = Sight::new(
-            rules, even, medium, ray, carried, sampler, table, flights, error,
-        );
+        let sight = Sight::new(rules, medium, ray, carried, sampler, table, flights, error);
         let wo = -ray.direction;
         let scattered = |met: &Met| {
             let place = ray.at(met.t);
             let arriving = arriving(rules, even, beams, met);
-            let scattered = scatter(medium, even, place, wo, beams.tree.beam(met.beam).direction);
+            let scattered = scatter(
+                medium,
+                even,
+                place,
+                wo,
+                beams.tree.beam(met.beam as usize).direction,
+            );
             scattered * arriving * sight.transmittance(met.t) * met.weight
         };
         met.iter().map(scattered).sum()
+    }
+
+    /// The same where the medium is the same everywhere: both transmittances are one exponential,
+    /// and all of a channel are taken at once.
+    fn sum_even<M: Medium<Spectrum = S>>(
+        &mut self,
+        beams: &LightBeams<S>,
+        medium: &M,
+        coefficients: Coefficients<S>,
+        ray: &Ray,
+    ) -> S {
+        let Self {
+            rules, met, row, ..
+        } = self;
+        let (wo, phase) = (-ray.direction, medium.phase(ray.origin));
+        let mut scale = coefficients.sigma_s;
+        if phase.is_isotropic() {
+            scale *= phase.eval(wo, wo);
+        } else {
+            for met in met.iter_mut() {
+                let direction = beams.tree.beam(met.beam as usize).direction;
+                met.weight *= phase.eval(wo, -direction);
+            }
+        }
+        let fading = (rules.light == Extent::Long).then(|| Fading::new(coefficients));
+        let sigma_t = coefficients.sigma_t();
+        let weigh = |c: usize, row: &mut Vec<f32>| {
+            let sigma_t = sigma_t.channel(c);
+            row.clear();
+            row.extend(met.iter().map(|met| {
+                let of_light = fading.map_or(0.0, |fading| fading.depth(c, met.v));
+                depth(sigma_t, met.t) + of_light.max(0.0)
+            }));
+            exp_negative(row);
+        };
+        let flux = |met: &Met| beams.flux(met.beam as usize, met.v) * met.weight;
+        if (1..S::CHANNELS).all(|c| sigma_t.channel(c) == sigma_t.channel(0)) {
+            weigh(0, row);
+            let arriving = met.iter().zip(row).map(|(met, tr)| flux(met) * *tr);
+            return scale * arriving.sum::<S>();
+        }
+        let of_channel = |c: usize| {
+            weigh(c, row);
+            let arriving = met.iter().zip(row.iter());
+            arriving.map(|(met, tr)| flux(met).channel(c) * tr).sum()
+        };
+        scale * S::from_channels(of_channel)
     }
 
     /// Of estimators whose query is a point.
@@ -206,7 +268,7 @@ impl<S: Spectrum> BeamGather<S> {
                 let u = u.map(|u| (u + turn).fract());
                 if let Some(Meeting { v, weight, .. }) = E::meet(&pair, u) {
                     let met = Met {
-                        beam: piece.beam,
+                        beam: piece.beam as u32,
                         t: 0.0,
                         v: v as f32,
                         weight: weight as f32,
@@ -260,7 +322,7 @@ fn arriving<S: Spectrum>(
     beams: &LightBeams<S>,
     met: &Met,
 ) -> S {
-    let flux = beams.flux(met.beam, met.v);
+    let flux = beams.flux(met.beam as usize, met.v);
     match even {
         Some(coefficients) if rules.light == Extent::Long => {
             flux * Fading::new(coefficients).transmittance(met.v)
@@ -269,13 +331,9 @@ fn arriving<S: Spectrum>(
     }
 }
 
-/// e^−σd, 1 where nothing is met however far.
-fn attenuation(sigma: f32, distance: f32) -> f32 {
-    if sigma == 0.0 {
-        1.0
-    } else {
-        (-sigma * distance).exp()
-    }
+/// σd, 0 where nothing is met however far.
+fn depth(sigma: f32, distance: f32) -> f32 {
+    if sigma == 0.0 { 0.0 } else { sigma * distance }
 }
 
 /// σs p at a place, for light that travels in `direction`.
@@ -292,7 +350,6 @@ fn scatter<M: Medium>(
 
 /// Transmittance of a ray of sight.
 enum Sight<'a, S> {
-    Even(S),
     Table(&'a DepthTable<S>),
     Flights(&'a Flights<S>),
 }
@@ -301,7 +358,6 @@ impl<'a, S: Spectrum> Sight<'a, S> {
     #[allow(clippy::too_many_arguments)]
     fn new<M: Medium<Spectrum = S>>(
         rules: &Rules,
-        even: Option<Coefficients<S>>,
         medium: &M,
         ray: &Ray,
         carried: S,
@@ -310,14 +366,13 @@ impl<'a, S: Spectrum> Sight<'a, S> {
         flights: &'a mut Flights<S>,
         error: &mut f32,
     ) -> Self {
-        let count = match (rules.sight, even, rules.transmittance) {
+        let count = match (rules.sight, rules.transmittance) {
             (Extent::Short, ..) => 1,
-            (Extent::Long, Some(coefficients), _) => return Self::Even(coefficients.sigma_t()),
-            (Extent::Long, None, Transmittance::Table { max_error }) => {
+            (Extent::Long, Transmittance::Table { max_error }) => {
                 *error = error.max(table.measure(medium, ray, max_error));
                 return Self::Table(table);
             }
-            (Extent::Long, None, Transmittance::Tracking { flights }) => flights,
+            (Extent::Long, Transmittance::Tracking { flights }) => flights,
         };
         flights.fly(medium, ray, count, carried, sampler);
         Self::Flights(flights)
@@ -325,7 +380,6 @@ impl<'a, S: Spectrum> Sight<'a, S> {
 
     fn transmittance(&self, t: f32) -> S {
         match self {
-            Self::Even(sigma_t) => sigma_t.map(|s| attenuation(s, t)),
             Self::Table(table) => table.depth(t).map(|depth| (-depth).exp()),
             Self::Flights(flights) => flights.transmittance(t),
         }

@@ -4,7 +4,7 @@ use crate::Estimate;
 use crate::beam::Left;
 use crate::width::Radii;
 use std::collections::BTreeMap;
-use tyndall_bvh::{BeamShape, Beams, Quality};
+use tyndall_bvh::{BeamShape, Beams};
 use tyndall_core::{Figure, MediumId, PassError, Spectrum};
 use tyndall_kd_tree::Photons;
 use tyndall_photons::{
@@ -129,7 +129,7 @@ impl<S: Spectrum> Pass<S> {
         for (medium, mut list) in lists {
             radii.of_all(&mut list)?;
             let light = LightBeams {
-                tree: Beams::build(&list.shapes, Quality::Fast).map_err(unsupported)?,
+                tree: Beams::build(&list.shapes).map_err(unsupported)?,
                 steps_each: list.steps.len() / list.flux.len(),
                 flux: list.flux,
                 steps: list.steps,

@@ -428,8 +428,9 @@ fn the_furnace_is_white_away_from_the_boundary(tier: Tier) {
             let sigma_s = Rgb::new(0.5, 1.0, 2.0);
             let medium = fog(Rgb::default(), sigma_s, g);
             let host = AnalyticHost::furnace(medium, 1.0, interface, outwards());
+            let sharp = g.abs() > 0.9;
             let run = Run {
-                passes: tier.passes([20, 600]),
+                passes: tier.passes(if sharp { [60, 1_000] } else { [20, 600] }),
                 samples: 1,
                 seed: 1,
             };
@@ -438,8 +439,8 @@ fn the_furnace_is_white_away_from_the_boundary(tier: Tier) {
             for (c, mean) in found.into_iter().enumerate() {
                 let sigma_s = f64::from(sigma_s.channel(c));
                 let lost = sigma_s * (-sigma_s).exp() * mean_blur * f64::from(radius) / 4.0;
-                let precision = match (g.abs() > 0.9, radius > 0.1) {
-                    (true, _) => 0.2,
+                let precision = match (sharp, radius > 0.1) {
+                    (true, _) => 0.25,
                     (false, true) => 0.04,
                     (false, false) => 0.08,
                 };
