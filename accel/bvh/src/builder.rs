@@ -5,6 +5,7 @@ mod split;
 
 use crate::node::{Child, Node};
 use crate::{BuildError, LEAF};
+pub(crate) use cost::area;
 use rayon::prelude::*;
 use split::{by_cost, evenly, into_blocks};
 use tyndall_core::Aabb;

@@ -12,7 +12,7 @@ use tyndall_photons::{
 };
 
 /// Bytes that a beam takes at most while its tree is built, beside the list of what was traced.
-const PEAK: usize = 400;
+const PEAK: usize = 768;
 
 /// The light of a pass.
 #[derive(Debug)]

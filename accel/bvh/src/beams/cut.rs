@@ -7,7 +7,7 @@
 
 use super::leaf::{Block, Leaf, Part};
 use super::{BeamShape, STEPS, Segment, segment};
-use crate::builder::{LEVELS_BY_COST, TASK};
+use crate::builder::{LEVELS_BY_COST, TASK, area};
 use crate::node::{Child, Node};
 use crate::{LANES, LEAF};
 use glam::Vec3;
@@ -82,137 +82,142 @@ impl Item {
     }
 
     /// What pieces of a block should have alike: their middle, where they go, and their radius.
-    fn keys(&self) -> [f32; KEYS] {
+    #[inline]
+    fn keys(&self) -> [Vec3; 3] {
         let [a, b] = self.ends;
         let along = b - a;
-        let along = if along.element_sum() < 0.0 {
-            -along
-        } else {
-            along
-        };
-        let [x, y, z] = (a + b).to_array();
-        let [u, v, w] = along.to_array();
-        [x, y, z, u, v, w, 2.0 * self.radius]
+        let turn = if along.element_sum() < 0.0 { -1.0 } else { 1.0 };
+        [a + b, turn * along, 2.0 * self.radius * Vec3::X]
     }
 }
-
-const KEYS: usize = 7;
 
 /// Pieces that are to be in one subtree.
 struct Set {
     items: Vec<Item>,
     /// How many more there may be.
     spare: usize,
-    /// The box of all ends.
-    bounds: Aabb,
-    radius: f32,
-    size: f32,
+    /// Tests that a ray has to expect.
+    cost: f64,
+    plan: Plan,
 }
 
-/// Half the surface of a box that holds all within a radius; 0 if it is empty.
-fn area(bounds: Aabb, radius: f32) -> f32 {
-    if bounds.is_empty() {
-        return 0.0;
-    }
-    let [x, y, z] = (bounds.size() + 2.0 * radius).to_array();
-    x * y + y * z + z * x
-}
-
-/// How a set can be parted.
-#[derive(Clone, Copy)]
-enum Cut {
+/// How a set is parted.
+#[derive(Clone, Copy, PartialEq)]
+enum Plan {
     /// Along an axis, at a place; pieces may lie on both sides.
     Plane(usize, f32),
     /// Pieces up to a size from larger ones.
     Size(f32),
+    /// By number.
+    Halves,
+    /// Not at all.
+    Leaf,
+}
+
+impl Plan {
+    fn by_number(count: usize) -> Self {
+        if count > LEAF {
+            Self::Halves
+        } else {
+            Self::Leaf
+        }
+    }
+}
+
+/// The box of all ends, and the largest radius.
+#[derive(Clone, Copy)]
+struct Extent(Aabb, f32);
+
+impl Extent {
+    const EMPTY: Self = Self(Aabb::EMPTY, 0.0);
+
+    fn with(self, item: &Item) -> Self {
+        Self(self.0.union(item.bounds()), self.1.max(item.radius))
+    }
+
+    /// Tests that a ray has to expect of so many pieces: in proportion to the surface.
+    fn cost(self, count: usize) -> f64 {
+        let Self(Aabb { min, max }, radius) = self;
+        let all = Aabb {
+            min: min - radius,
+            max: max + radius,
+        };
+        area(all) * count as f64
+    }
 }
 
 impl Set {
     fn new(items: Vec<Item>, spare: usize) -> Self {
+        let extent = items.iter().fold(Extent::EMPTY, Extent::with);
         let mut set = Self {
+            cost: extent.cost(items.len()),
             items,
             spare,
-            bounds: Aabb::EMPTY,
-            radius: 0.0,
-            size: 0.0,
+            plan: Plan::Leaf,
         };
-        for item in &set.items {
-            set.bounds = set.bounds.union(item.bounds());
-            set.radius = set.radius.max(item.radius);
-            set.size = set.size.max(item.size());
+        if set.items.len() > FEW {
+            set.plan = set.best(extent);
         }
         set
     }
 
-    /// Tests that a ray has to expect.
-    fn cost(&self) -> f32 {
-        area(self.bounds, self.radius) * self.items.len() as f32
-    }
-
     /// The cut that leaves the least cost, if it is worth it.
-    fn best(&self) -> Option<Cut> {
-        let center = self.bounds.center();
-        let (mut left, mut right) = ([0_u32; 3], [0_u32; 3]);
-        let (mut few, mut small, mut thin) = (0, Aabb::EMPTY, 0.0_f32);
-        let middling = 0.25 * self.size;
+    fn best(&self, extent: Extent) -> Plan {
+        let count = self.items.len();
+        let center = extent.0.center();
+        let (mut high, mut across) = ([0_u32; 3], [0_u32; 3]);
         for item in &self.items {
             let Aabb { min, max } = item.bounds();
             for axis in 0..3 {
-                left[axis] += u32::from(min[axis] < center[axis]);
-                right[axis] += u32::from(max[axis] > center[axis]);
-            }
-            if item.size() <= middling {
-                few += 1;
-                small = small.union(item.bounds());
-                thin = thin.max(item.radius);
+                let above = max[axis] > center[axis];
+                high[axis] += u32::from(above);
+                across[axis] += u32::from(above & (min[axis] < center[axis]));
             }
         }
-        let count = self.items.len();
-        let mut best = (WORTH * self.cost(), None);
-        let mut offer = |cost: f32, cut: Cut| {
+        let mut best = (f64::from(WORTH) * self.cost, Plan::by_number(count));
+        let mut offer = |cost: f64, plan: Plan| {
             if cost < best.0 {
-                best = (cost, Some(cut));
+                best = (cost, plan);
             }
         };
         for axis in 0..3 {
-            let [low, high] = [left[axis] as usize, right[axis] as usize];
-            if low.min(high) == 0 || (low + high).saturating_sub(count) > self.spare {
-                continue;
+            let [high, across] = [high[axis], across[axis]].map(|count| count as usize);
+            let low = count - high + across;
+            if low.min(high) > 0 && across <= self.spare {
+                let mut half = extent;
+                half.0.max[axis] = center[axis];
+                offer(half.cost(low + high), Plan::Plane(axis, center[axis]));
             }
-            let mut half = self.bounds;
-            half.max[axis] = center[axis];
-            let cost = area(half, self.radius) * (low + high) as f32;
-            offer(cost, Cut::Plane(axis, center[axis]));
         }
+        let largest = self.items.iter().map(Item::size).fold(0.0, f32::max);
+        let small = |item: &&Item| item.size() <= 0.25 * largest;
+        let few = self.items.iter().filter(small).count();
         if (1..count).contains(&few) {
-            let rest = area(self.bounds, self.radius) * (count - few) as f32;
-            offer(area(small, thin) * few as f32 + rest, Cut::Size(middling));
+            let all_small = self.items.iter().filter(small);
+            let of_small = all_small.fold(Extent::EMPTY, Extent::with).cost(few);
+            offer(
+                of_small + extent.cost(count - few),
+                Plan::Size(0.25 * largest),
+            );
         }
         best.1
     }
 
-    /// Two sets, or nothing where all would be on one side.
-    fn cut(self, shapes: &[BeamShape], cut: Cut) -> [Self; 2] {
+    /// Two sets, of which one is empty if pieces are too short for the plane.
+    fn parted(self, shapes: &[BeamShape]) -> [Self; 2] {
         let (mut low, mut high) = (Vec::new(), Vec::new());
         let count = self.items.len();
-        for item in self.items {
-            match cut {
-                Cut::Size(size) if item.size() <= size => low.push(item),
-                Cut::Size(_) => high.push(item),
-                Cut::Plane(axis, place) => {
+        match self.plan {
+            Plan::Plane(axis, place) => {
+                for item in self.items {
                     let [a, b] = item.ends.map(|end| end[axis]);
                     if a.max(b) <= place {
                         low.push(item);
                     } else if a.min(b) >= place {
                         high.push(item);
                     } else if let Some([first, second]) = halves(shapes, &item, axis, place) {
-                        let [first, second] = if a < b {
-                            [first, second]
-                        } else {
-                            [second, first]
-                        };
-                        low.push(first);
-                        high.push(second);
+                        low.push(if a < b { first } else { second });
+                        high.push(if a < b { second } else { first });
                     } else if a + b < 2.0 * place {
                         low.push(item);
                     } else {
@@ -220,6 +225,10 @@ impl Set {
                     }
                 }
             }
+            Plan::Size(size) => {
+                (low, high) = self.items.iter().partition(|item| item.size() <= size)
+            }
+            Plan::Halves | Plan::Leaf => return self.halved(),
         }
         let all = low.len() + high.len();
         let spare = self.spare - (all - count);
@@ -230,15 +239,12 @@ impl Set {
     /// Two sets without a cut: halves along the key in which they differ most, the first of them
     /// full leaves.
     fn halved(mut self) -> [Self; 2] {
-        let leaves = self.items.len().div_ceil(LEAF);
-        let at = leaves / 2 * LEAF;
+        let at = self.items.len().div_ceil(LEAF) / 2 * LEAF;
         select(&mut self.items, at);
         let high = self.items.split_off(at);
         let of_low = self.spare / 2;
-        [
-            Self::new(self.items, of_low),
-            Self::new(high, self.spare - of_low),
-        ]
+        let low = Self::new(self.items, of_low);
+        [low, Self::new(high, self.spare - of_low)]
     }
 }
 
@@ -259,15 +265,26 @@ fn halves(shapes: &[BeamShape], item: &Item, axis: usize, place: f32) -> Option<
 
 /// Puts the `at` items of smallest key in front, along the key in which they differ most.
 fn select(items: &mut [Item], at: usize) {
-    let mut range = [[f32::INFINITY, f32::NEG_INFINITY]; KEYS];
+    let mut ranges = [Aabb::EMPTY; 3];
     for item in items.iter() {
-        for (range, key) in range.iter_mut().zip(item.keys()) {
-            *range = [range[0].min(key), range[1].max(key)];
+        for (range, key) in ranges.iter_mut().zip(item.keys()) {
+            *range = Aabb {
+                min: range.min.min(key),
+                max: range.max.max(key),
+            };
         }
     }
-    let spread = |axis: usize| range[axis][1] - range[axis][0];
-    let axis = (1..KEYS).fold(0, |a, b| if spread(b) > spread(a) { b } else { a });
-    items.select_nth_unstable_by(at, |a, b| a.keys()[axis].total_cmp(&b.keys()[axis]));
+    let widest = |of: usize| ranges[of].size().max_element();
+    let of = (1..3).fold(0, |a, b| if widest(b) > widest(a) { b } else { a });
+    let axis = ranges[of].size().max_position();
+    let mut keyed: Vec<_> = items
+        .iter()
+        .map(|item| (item.keys()[of][axis], *item))
+        .collect();
+    keyed.select_nth_unstable_by(at, |a, b| a.0.total_cmp(&b.0));
+    for (item, (_, sorted)) in items.iter_mut().zip(keyed) {
+        *item = sorted;
+    }
 }
 
 /// Sorts the items of a leaf into its blocks.
@@ -299,9 +316,9 @@ impl Builder<'_> {
         };
         let parts = self.parts(set, depth);
         if parallel {
-            let grow = |(set, last)| {
+            let grow = |set| {
                 let mut below = Grown::default();
-                (self.child(set, last, depth, 0, &mut below), below)
+                (self.child(set, depth, 0, &mut below), below)
             };
             let parts: Vec<_> = parts.into_par_iter().map(grow).collect();
             for (lane, ((bounds, child), below)) in parts.into_iter().enumerate() {
@@ -310,70 +327,46 @@ impl Builder<'_> {
                 adopt(grown, lane, (bounds, child));
             }
         } else {
-            for (lane, (set, last)) in parts.into_iter().enumerate() {
-                let child = self.child(set, last, depth, root, grown);
+            for (lane, set) in parts.into_iter().enumerate() {
+                let child = self.child(set, depth, root, grown);
                 adopt(grown, lane, child);
             }
         }
         whole
     }
 
-    /// Up to eight sets, and whether each is a leaf: that of the largest cost is parted again and
-    /// again.
-    fn parts(&self, set: Set, depth: usize) -> Vec<(Set, bool)> {
-        let mut parts = vec![(set, false)];
+    /// Up to eight sets: that of the largest cost is parted again and again.
+    fn parts(&self, set: Set, depth: usize) -> Vec<Set> {
+        let evenly = depth >= LEVELS_BY_COST;
+        let rank = |set: &Set| (if evenly { 0.0 } else { set.cost }, set.items.len());
+        let mut parts = vec![set];
         while parts.len() < LANES {
-            let costs = parts.iter().enumerate().filter(|(_, (_, leaf))| !leaf);
-            let costs = costs.map(|(i, (set, _))| (set.cost(), set.items.len(), i));
-            let Some((_, _, next)) =
-                costs.reduce(|a, b| if (b.0, b.1) > (a.0, a.1) { b } else { a })
-            else {
+            let open = (0..parts.len()).filter(|&part| parts[part].plan != Plan::Leaf);
+            let next = open.reduce(|a, b| {
+                if rank(&parts[b]) > rank(&parts[a]) {
+                    b
+                } else {
+                    a
+                }
+            });
+            let Some(next) = next else {
                 break;
             };
-            let (set, _) = &parts[next];
-            match self.cut_of(set, depth) {
-                None => parts[next].1 = true,
-                Some(cut) => {
-                    let (set, _) = parts.swap_remove(next);
-                    let [low, high] = match cut {
-                        Some(cut) => set.cut(self.shapes, cut),
-                        None => set.halved(),
-                    };
-                    // All on one side: they are too short for the plane.
-                    match [low.items.len(), high.items.len()] {
-                        [0, few] if few <= LEAF => parts.push((high, true)),
-                        [few, 0] if few <= LEAF => parts.push((low, true)),
-                        [0, _] => parts.extend(high.halved().map(|set| (set, false))),
-                        [_, 0] => parts.extend(low.halved().map(|set| (set, false))),
-                        _ => parts.extend([low, high].map(|set| (set, false))),
-                    }
+            let both = parts.swap_remove(next).parted(self.shapes);
+            let all_in_one = both.iter().any(|set| set.items.is_empty());
+            for mut set in both.into_iter().filter(|set| !set.items.is_empty()) {
+                if evenly || all_in_one {
+                    set.plan = Plan::by_number(set.items.len());
                 }
+                parts.push(set);
             }
         }
         parts
     }
 
-    /// How to part a set: `None` if it is a leaf, `Some(None)` if by number.
-    fn cut_of(&self, set: &Set, depth: usize) -> Option<Option<Cut>> {
-        let count = set.items.len();
-        let cut = || (depth < LEVELS_BY_COST).then(|| set.best()).flatten();
-        match cut() {
-            _ if count <= FEW => None,
-            None if count <= LEAF => None,
-            cut => Some(cut),
-        }
-    }
-
     /// Makes a leaf, or appends a subtree; its box, and what it is to the node at `root`.
-    fn child(
-        &self,
-        mut set: Set,
-        leaf: bool,
-        depth: usize,
-        root: usize,
-        grown: &mut Grown,
-    ) -> (Aabb, Child) {
-        if !leaf && self.cut_of(&set, depth).is_some() {
+    fn child(&self, mut set: Set, depth: usize, root: usize, grown: &mut Grown) -> (Aabb, Child) {
+        if set.plan != Plan::Leaf {
             let offset = grown.nodes.len() - root;
             let bounds = self.grow(set, depth + 1, grown);
             return (bounds, Child::Node(offset as u32));

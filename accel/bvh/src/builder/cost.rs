@@ -9,7 +9,7 @@ use tyndall_core::Aabb;
 const BINS: usize = 16;
 
 /// Half the surface of a box; 0 for what is empty. In `f64`: areas of 1e18 squared add up.
-pub(super) fn area(bounds: Aabb) -> f64 {
+pub(crate) fn area(bounds: Aabb) -> f64 {
     if bounds.is_empty() {
         return 0.0;
     }
