@@ -45,8 +45,8 @@
 //!
 //! # Cost
 //! Linear in light paths; a ray costs what it meets, and the pieces of beams near to it. A beam of
-//! three channels takes 52 bytes and 41 a piece, of which it has four at most on the mean; in media
-//! that vary 16 more for each flight along it. [`Pass::bytes`] tells.
+//! three channels takes 56 bytes and 21 to 24 a piece, of which it has 16 at most on the mean; in
+//! media that vary 16 more for each flight along it. [`Pass::bytes`] tells.
 //!
 //! # References
 //! - Wojciech Jarosz, Derek Nowrouzezahrai, Iman Sadeghi, Henrik Wann Jensen (2011a), "A

@@ -362,8 +362,8 @@ fn few_are_shown_that_are_not_near() {
 
 /// A bundle through one point, from everywhere; and as many beams in one place.
 #[test]
-fn a_hundred_thousand_at_one_point() {
-    const COUNT: usize = 100_000;
+fn a_million_at_one_point() {
+    const COUNT: usize = 1_000_000;
     let mut random = rng(38);
     let center = Vec3::new(0.1, 0.2, 0.3);
     let through: Vec<_> = (0..COUNT)
