@@ -10,10 +10,10 @@ use tyndall_testkit::stats::{Moments, log_log_slope};
 
 /// Of curves, and the seconds after which errors are taken: the last, and halves of it.
 const SEEDS: u64 = 10;
-const LONGEST: f64 = 16.0;
+const LONGEST: f64 = 8.0;
 const TIMES: usize = 7;
 /// Seconds for the reference.
-const REFERENCE: f64 = 480.0;
+const REFERENCE: f64 = 200.0;
 /// What is to be reached.
 const TARGET: f64 = 0.05;
 /// A small picture.

@@ -4,7 +4,7 @@
 //!     cargo run --release -p tyndall-photon-beams --example caustic_in_fog
 //!     cargo run --release -p tyndall-photon-beams --example caustic_in_fog -- pictures/caustic_in_fog.png
 //!
-//! The first prints the curves, and takes 20 minutes; the second renders the three for equal times
+//! The first prints the curves, and takes ten minutes; the second renders the three for equal times
 //! beside each other. Two errors are told, both relative, roots of means over
 //! the pixels: that of the squared difference from the reference over the squared mean of the picture,
 //! which the bright caustic decides, and that of relMSE (ε: the square of a tenth of the mean), for
