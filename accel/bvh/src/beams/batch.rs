@@ -51,8 +51,9 @@ impl Batch {
         let first = leaf.first as usize;
         let pieces = leaf.pieces as usize;
         let blocks = &blocks[first..first + pieces.div_ceil(LANES)];
+        let mut grid = leaf.grid(line);
         for (index, block) in blocks.iter().enumerate() {
-            let grid = leaf.grid(index, line);
+            grid.reach = leaf.reach(index);
             let missing = LANES.saturating_sub(pieces - index * LANES);
             // Written in any case, counted where something is near: no branch to guess.
             self.waiting[self.waits] = Waiting {
