@@ -54,14 +54,14 @@ impl Batch {
         let mut grid = leaf.grid(line);
         for (index, block) in blocks.iter().enumerate() {
             grid.reach = leaf.reach(index);
-            let missing = LANES.saturating_sub(pieces - index * LANES);
+            let lanes = 0xff >> LANES.saturating_sub(pieces - index * LANES);
             // Written in any case, counted where something is near: no branch to guess.
             self.waiting[self.waits] = Waiting {
                 block: (first + index) as u32,
-                lanes: 0xff >> missing,
+                lanes,
                 grid,
             };
-            self.waits += usize::from(block.lines_near(line, grid));
+            self.waits += usize::from(block.lines_near(line, grid) & lanes != 0);
         }
     }
 

@@ -186,10 +186,10 @@ impl Block {
         }
     }
 
-    /// Whether the line of the ray is near that of any piece: no two of their points are closer
+    /// A bit for each piece whose line is near that of the ray: no two of their points are closer
     /// than the lines are.
     #[inline(always)] // into code for the level of the machine
-    pub(super) fn lines_near<S: Simd>(&self, line: &Line<S>, grid: Grid) -> bool {
+    pub(super) fn lines_near<S: Simd>(&self, line: &Line<S>, grid: Grid) -> u32 {
         let simd = line.t_max.simd;
         let [dx, dy, dz] = line.direction;
         let ([x, y, z], [ex, ey, ez]) = self.segments(simd, grid);
@@ -200,7 +200,7 @@ impl Block {
         let n2 = nx * nx + ny * ny + nz * nz;
         let apart = (triple - grid.rounding).max(f32x8::splat(simd, 0.0));
         let most = (n2 + SHORT) * (grid.reach * grid.reach) + f32::MIN_POSITIVE;
-        (apart * apart).simd_le(most).to_bitmask() != 0
+        (apart * apart).simd_le(most).to_bitmask() as u32
     }
 
     /// Starts from the origin of the ray, and pieces from start to end.
