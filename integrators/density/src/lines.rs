@@ -26,6 +26,8 @@ pub struct Lines {
     normal: DVec3,
     cos_theta: f64,
     sin_theta: f64,
+    /// 1/sin² θ; infinite for parallel lines.
+    inverse: f64,
 }
 
 impl Lines {
@@ -34,13 +36,15 @@ impl Lines {
     pub fn new(ray: &Ray, origin: Vec3, direction: Vec3) -> Self {
         let [d1, d2] = [ray.direction, direction].map(|d| unit(d.as_dvec3()));
         let normal = d1.cross(d2);
+        let sin2_theta = normal.length_squared();
         Self {
             w: origin.as_dvec3() - ray.origin.as_dvec3(),
             ray: d1,
             beam: d2,
             normal,
             cos_theta: d1.dot(d2),
-            sin_theta: normal.length(),
+            sin_theta: sin2_theta.sqrt(),
+            inverse: 1.0 / sin2_theta,
         }
     }
 
@@ -61,7 +65,7 @@ impl Lines {
     /// t = (w × d₂)·n / sin² θ and v = (w × d₁)·n / sin² θ.
     #[inline]
     pub fn closest(&self) -> Option<[f64; 2]> {
-        let across = |d| self.w.cross(d).dot(self.normal) / (self.sin_theta * self.sin_theta);
+        let across = |d| self.w.cross(d).dot(self.normal) * self.inverse;
         (self.sin_theta > 0.0).then(|| [across(self.beam), across(self.ray)])
     }
 
@@ -69,7 +73,7 @@ impl Lines {
     #[inline]
     pub fn distance(&self) -> f64 {
         if self.sin_theta > 0.0 {
-            self.w.dot(self.normal).abs() / self.sin_theta
+            self.w.dot(self.normal).abs() * (self.sin_theta * self.inverse)
         } else {
             self.w.cross(self.beam).length()
         }

@@ -287,6 +287,9 @@ impl<S: Spectrum> BeamGather<S> {
 /// What two-dimensional blur takes of a beam at an angle of this sine.
 fn handed_over(sin_theta: f64) -> f64 {
     let [low, high] = HANDOVER;
+    if sin_theta >= high {
+        return 0.0;
+    }
     let x = ((high - sin_theta) / (high - low)).clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)
 }

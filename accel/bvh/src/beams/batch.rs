@@ -51,16 +51,17 @@ impl Batch {
         let first = leaf.first as usize;
         let pieces = leaf.pieces as usize;
         let blocks = &blocks[first..first + pieces.div_ceil(LANES)];
+        let mut grid = leaf.grid(line);
         for (index, block) in blocks.iter().enumerate() {
-            let grid = leaf.grid(index, line);
-            let missing = LANES.saturating_sub(pieces - index * LANES);
+            grid.reach = leaf.reach(index);
+            let lanes = 0xff >> LANES.saturating_sub(pieces - index * LANES);
             // Written in any case, counted where something is near: no branch to guess.
             self.waiting[self.waits] = Waiting {
                 block: (first + index) as u32,
-                lanes: 0xff >> missing,
+                lanes,
                 grid,
             };
-            self.waits += usize::from(block.lines_near(line, grid));
+            self.waits += usize::from(block.lines_near(line, grid) & lanes != 0);
         }
     }
 

@@ -129,14 +129,24 @@ impl Leaf {
         self.reach_of(segment, points) <= reach
     }
 
-    /// The grid as a ray sees it, and the reach of a block.
+    /// The grid as a ray sees it, of all blocks.
     #[inline(always)]
-    pub(super) fn grid<S: Simd>(&self, block: usize, line: &Line<S>) -> Grid {
+    pub(super) fn grid<S: Simd>(&self, line: &Line<S>) -> Grid {
+        let corner = self.corner - line.origin;
+        let size = 3.0 * LAST as f32 * self.step;
+        let to_next = 1.0 / (LAST + 1) as f32;
         Grid {
-            corner: self.corner - line.origin,
-            step: self.step,
-            reach: self.reach[block],
+            corner,
+            steps: [1.0, to_next, to_next * to_next].map(|part| self.step * part),
+            reach: 0.0,
+            rounding: ROUNDING * size * (corner.abs().element_sum() + size),
         }
+    }
+
+    /// How near the pieces of a block are shown at most.
+    #[inline(always)]
+    pub(super) fn reach(&self, block: usize) -> f32 {
+        self.reach[block]
     }
 }
 
@@ -144,8 +154,11 @@ impl Leaf {
 #[derive(Clone, Copy, Default)]
 pub(super) struct Grid {
     corner: Vec3,
-    step: f32,
-    reach: f32,
+    /// Along each axis, in the unit of [`axes`].
+    steps: [f32; 3],
+    pub(super) reach: f32,
+    /// What rounding may do to a product of a place, a piece and a direction.
+    rounding: f32,
 }
 
 impl Block {
@@ -173,10 +186,10 @@ impl Block {
         }
     }
 
-    /// Whether the line of the ray is near that of any piece: no two of their points are closer
+    /// A bit for each piece whose line is near that of the ray: no two of their points are closer
     /// than the lines are.
     #[inline(always)] // into code for the level of the machine
-    pub(super) fn lines_near<S: Simd>(&self, line: &Line<S>, grid: Grid) -> bool {
+    pub(super) fn lines_near<S: Simd>(&self, line: &Line<S>, grid: Grid) -> u32 {
         let simd = line.t_max.simd;
         let [dx, dy, dz] = line.direction;
         let ([x, y, z], [ex, ey, ez]) = self.segments(simd, grid);
@@ -184,25 +197,23 @@ impl Block {
         let ny = dz * ex - dx * ez;
         let nz = dx * ey - dy * ex;
         let triple = (x * nx + y * ny + z * nz).abs();
-        let sizes = (x.abs() + y.abs() + z.abs()) * (ex.abs() + ey.abs() + ez.abs());
         let n2 = nx * nx + ny * ny + nz * nz;
-        let apart = (triple - sizes * ROUNDING).max(f32x8::splat(simd, 0.0));
+        let apart = (triple - grid.rounding).max(f32x8::splat(simd, 0.0));
         let most = (n2 + SHORT) * (grid.reach * grid.reach) + f32::MIN_POSITIVE;
-        let near = (apart * apart).simd_le(most);
-        near.to_bitmask() != 0
+        (apart * apart).simd_le(most).to_bitmask() as u32
     }
 
     /// Starts from the origin of the ray, and pieces from start to end.
     #[inline(always)]
     fn segments<S: Simd>(&self, simd: S, grid: Grid) -> ([f32x8<S>; 3], [f32x8<S>; 3]) {
-        let step = f32x8::splat(simd, grid.step);
         let [start, end] = [axes(simd, &self.ends[0]), axes(simd, &self.ends[1])];
-        let x = start[0] * step + grid.corner.x;
-        let y = start[1] * step + grid.corner.y;
-        let z = start[2] * step + grid.corner.z;
-        let ex = (end[0] - start[0]) * step;
-        let ey = (end[1] - start[1]) * step;
-        let ez = (end[2] - start[2]) * step;
+        let [to_x, to_y, to_z] = grid.steps;
+        let x = start[0] * to_x + grid.corner.x;
+        let y = start[1] * to_y + grid.corner.y;
+        let z = start[2] * to_z + grid.corner.z;
+        let ex = (end[0] - start[0]) * to_x;
+        let ey = (end[1] - start[1]) * to_y;
+        let ez = (end[2] - start[2]) * to_z;
         ([x, y, z], [ex, ey, ez])
     }
 
@@ -246,14 +257,13 @@ impl Block {
     }
 }
 
-/// The axes of eight points of a grid.
+/// The axes of eight points of a grid, each in its own unit: they stay where they are in an integer.
 #[inline(always)]
 fn axes<S: Simd>(simd: S, points: &[i32; LANES]) -> [f32x8<S>; 3] {
     let points = i32x8::from_slice(simd, points);
-    let last = i32x8::splat(simd, LAST);
-    let x = (points & last).to_float();
-    let y = ((points >> BITS as u32) & last).to_float();
-    let z = ((points >> (2 * BITS as u32)) & last).to_float();
+    let x = (points & i32x8::splat(simd, LAST)).to_float();
+    let y = (points & i32x8::splat(simd, LAST << BITS)).to_float();
+    let z = (points & i32x8::splat(simd, LAST << (2 * BITS))).to_float();
     [x, y, z]
 }
 

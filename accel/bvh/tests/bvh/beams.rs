@@ -296,6 +296,36 @@ fn grazed_beams_are_shown() {
     assert_eq!(thinner_shown, 0);
 }
 
+/// As much, for rays that start a thousand lengths away and cross the beam at any angle.
+#[test]
+fn beams_grazed_from_afar_are_shown() {
+    let mut random = rng(46);
+    for _ in 0..3000 {
+        let [along, across] = [(); 2].map(|()| direction(&mut random));
+        let apart = 0.1 * along.cross(across);
+        let ray = Ray::new(-1e3 * along, along);
+        let shape = BeamShape {
+            origin: apart - 0.5 * across,
+            direction: across,
+            length: 1.0,
+            radii: [0.0; 2],
+        };
+        let whole = Piece {
+            beam: 0,
+            start: 0.0,
+            end: 1.0,
+        };
+        let radius = (distance(&ray, &shape, &whole) as f32).next_up();
+        let beams = build(&[BeamShape {
+            radii: [radius; 2],
+            ..shape
+        }]);
+        let mut shown = 0;
+        beams.near(&ray, |_| shown += 1);
+        assert_eq!(shown, 1, "{radius} {ray:?} {shape:?}");
+    }
+}
+
 /// Each beam that a ray crosses is met once by who asks for the place of crossing, and points on
 /// beams are in one piece.
 #[test]
@@ -427,6 +457,15 @@ fn places_and_radii_at_the_promised_extremes() {
             assert!(check(&beams, &Ray::new(shape.origin, shape.direction)).near > 0);
         }
     }
+    // So short that its square is 0, and far from the ray.
+    let short = build(&[BeamShape {
+        origin: Vec3::ZERO,
+        direction: Vec3::Y,
+        length: 1e-23,
+        radii: [1e9; 2],
+    }]);
+    let ray = Ray::new(1e8 * Vec3::new(-1.0, 3.0, 5.0), Vec3::X);
+    assert_eq!(check(&short, &ray).near, 1);
 }
 
 /// One beam much longer than the scene leaves the others as they are. Where it is itself is known

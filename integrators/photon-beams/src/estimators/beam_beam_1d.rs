@@ -14,6 +14,7 @@ impl Estimator for BeamBeam1D {
     const BY_RAYS: bool = true;
     const BLUR: u8 = 1;
 
+    #[inline]
     fn meet(pair: &Pair<'_>, _: [f32; 2]) -> Option<Meeting> {
         let [t, v] = pair.lines.closest()?;
         let [start, end] = pair.piece;
