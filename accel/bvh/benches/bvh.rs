@@ -215,12 +215,9 @@ fn beams(criterion: &mut Criterion) {
         for count in up_to_max([1000, 10_000, 100_000, 1_000_000]) {
             let shapes = beams(count);
             group.throughput(Throughput::Elements(count as u64));
-            for quality in [Quality::Fast, Quality::High] {
-                let id = BenchmarkId::new(format!("build {quality:?}"), count);
-                group.bench_function(id, |b| {
-                    b.iter(|| Beams::build(&shapes).expect("good beams"))
-                });
-            }
+            group.bench_function(BenchmarkId::new("build", count), |b| {
+                b.iter(|| Beams::build(&shapes).expect("good beams"))
+            });
             let beams = Beams::build(&shapes).expect("good beams");
             let mut through = |name, rays: &[Ray], sum: &dyn Fn(&Ray) -> f64| {
                 group.throughput(Throughput::Elements(rays.len() as u64));

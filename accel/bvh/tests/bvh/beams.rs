@@ -309,6 +309,7 @@ fn beams_grazed_from_afar_are_shown() {
             direction: across,
             length: 1.0,
             radii: [0.0; 2],
+            limits: BeamShape::UNLIMITED,
         };
         let whole = Piece {
             beam: 0,
@@ -463,6 +464,7 @@ fn places_and_radii_at_the_promised_extremes() {
         direction: Vec3::Y,
         length: 1e-23,
         radii: [1e9; 2],
+        limits: BeamShape::UNLIMITED,
     }]);
     let ray = Ray::new(1e8 * Vec3::new(-1.0, 3.0, 5.0), Vec3::X);
     assert_eq!(check(&short, &ray).near, 1);
