@@ -10,7 +10,7 @@ use super::{BeamShape, STEPS, Segment, segment};
 use crate::builder::{LEVELS_BY_COST, TASK, area};
 use crate::node::{Child, Node};
 use crate::{LANES, LEAF};
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
 use rayon::prelude::*;
 use tyndall_core::Aabb;
 
@@ -124,6 +124,36 @@ impl Plan {
     }
 }
 
+/// What lies on one side of a plane: its box, and how many there are.
+#[derive(Clone, Copy)]
+struct Side {
+    min: Vec3A,
+    max: Vec3A,
+    count: usize,
+}
+
+impl Side {
+    const EMPTY: Self = Self {
+        min: Vec3A::INFINITY,
+        max: Vec3A::NEG_INFINITY,
+        count: 0,
+    };
+
+    #[inline]
+    fn add(&mut self, a: Vec3A, b: Vec3A) {
+        self.min = self.min.min(a.min(b));
+        self.max = self.max.max(a.max(b));
+        self.count += 1;
+    }
+
+    fn bounds(&self) -> Aabb {
+        Aabb {
+            min: self.min.into(),
+            max: self.max.into(),
+        }
+    }
+}
+
 /// The box of all ends, and the largest radius.
 #[derive(Clone, Copy)]
 struct Extent(Aabb, f32);
@@ -165,13 +195,26 @@ impl Set {
     fn best(&self, extent: Extent) -> Plan {
         let count = self.items.len();
         let center = extent.0.center();
-        let (mut high, mut across) = ([0_u32; 3], [0_u32; 3]);
+        let mut sides = [[Side::EMPTY; 2]; 3];
         for item in &self.items {
-            let Aabb { min, max } = item.bounds();
-            for axis in 0..3 {
-                let above = max[axis] > center[axis];
-                high[axis] += u32::from(above);
-                across[axis] += u32::from(above & (min[axis] < center[axis]));
+            let [a, b] = item.ends.map(Vec3A::from);
+            let along = b - a;
+            let share = ((Vec3A::from(center) - a) / along).to_array();
+            let (min, max) = (
+                item.ends[0].min(item.ends[1]),
+                item.ends[0].max(item.ends[1]),
+            );
+            for (axis, [low, high]) in sides.iter_mut().enumerate() {
+                if max[axis] <= center[axis] {
+                    low.add(a, b);
+                } else if min[axis] >= center[axis] {
+                    high.add(a, b);
+                } else {
+                    let cut = a + along * share[axis];
+                    let up = item.ends[0][axis] < item.ends[1][axis];
+                    low.add(if up { a } else { b }, cut);
+                    high.add(if up { b } else { a }, cut);
+                }
             }
         }
         let mut best = (f64::from(WORTH) * self.cost, Plan::by_number(count));
@@ -180,13 +223,11 @@ impl Set {
                 best = (cost, plan);
             }
         };
-        for axis in 0..3 {
-            let [high, across] = [high[axis], across[axis]].map(|count| count as usize);
-            let low = count - high + across;
-            if low.min(high) > 0 && across <= self.spare {
-                let mut half = extent;
-                half.0.max[axis] = center[axis];
-                offer(half.cost(low + high), Plan::Plane(axis, center[axis]));
+        for (axis, [low, high]) in sides.iter().enumerate() {
+            let all = low.count + high.count;
+            if low.count.min(high.count) > 0 && all - count <= self.spare {
+                let cost = |side: &Side| Extent(side.bounds(), extent.1).cost(side.count);
+                offer(cost(low) + cost(high), Plan::Plane(axis, center[axis]));
             }
         }
         let largest = self.items.iter().map(Item::size).fold(0.0, f32::max);
