@@ -267,7 +267,7 @@ fn axes<S: Simd>(simd: S, points: &[i32; LANES]) -> [f32x8<S>; 3] {
     [x, y, z]
 }
 
-/// A ray, prepared for [`Leaf::near`].
+/// A ray, prepared for [`Block::near`].
 pub(super) struct Line<S: Simd> {
     origin: Vec3,
     direction: [f32x8<S>; 3],
