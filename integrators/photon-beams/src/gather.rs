@@ -224,6 +224,7 @@ impl<S: Spectrum> BeamGather<S> {
             row.clear();
             row.extend(met.iter().map(|met| {
                 let of_light = fading.map_or(0.0, |fading| fading.depth(c, met.v));
+                // Less than 0 only where a channel scatters nothing.
                 depth(sigma_t, met.t) + of_light.max(0.0)
             }));
             exp_negative(row);

@@ -1,10 +1,12 @@
 //! How wide beams are.
 
 use crate::pass::List;
+use glam::Vec3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 use tyndall_bvh::BeamShape;
 use tyndall_core::PassError;
+use tyndall_density::Dimension;
 use tyndall_kd_tree::{Nearest, Photon, Photons};
 use tyndall_photons::{Neighbours, ensure, unsupported};
 use tyndall_walk::Footprint;
@@ -70,7 +72,7 @@ impl Width {
                 })?;
                 By::Nearest(Neighbours {
                     photons: ends as f64 * paths * f64::from(shrink).powi(3),
-                    dimension: tyndall_density::Dimension::Three,
+                    dimension: Dimension::Three,
                     max_radius: most,
                 })
             }
@@ -117,7 +119,7 @@ impl Radii {
         let ends = |shape: &BeamShape| [0.0, shape.length].map(|v| shape.at(v.into()).as_vec3());
         let photon = |position| Photon {
             position,
-            direction: glam::Vec3::Z,
+            direction: Vec3::Z,
             flux: 0.0_f32,
         };
         let photons: Vec<_> = list
@@ -154,7 +156,7 @@ fn signed([start, middle, end]: [f64; 3]) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::{DVec3, Vec3};
+    use glam::DVec3;
 
     const PATHS: u64 = 100;
 
@@ -219,7 +221,7 @@ mod tests {
             most: 1e3,
             by: By::Nearest(Neighbours {
                 photons: 17.0 / 8.0,
-                dimension: tyndall_density::Dimension::Three,
+                dimension: Dimension::Three,
                 max_radius: 1e3,
             }),
         };

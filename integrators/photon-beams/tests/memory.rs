@@ -7,39 +7,22 @@ use tyndall_core::{Integrator, PassContext, Rgb};
 use tyndall_driver::PassStreams;
 use tyndall_photon_beams::PhotonBeams;
 use tyndall_scene_io::{Scene, SceneFile};
-use tyndall_testkit::check_memory;
+use tyndall_testkit::{check_memory, cornell_box};
 
 #[global_allocator]
 static MEMORY: Cap<System> = Cap::new(System, usize::MAX);
 
-const SCENE: &str = r#"
-camera = { position = [0, 0, 0.5], look_at = [0, 0, 0], fov = 40, medium = "MEDIUM" }
-film = { width = 1, height = 1 }
-[media]
-even = { kind = "homogeneous", sigma_a = 0.01, sigma_s = [0.5, 0.4, 0.3] }
-smoke = { kind = "grid", plume = { resolution = 16 }, min = [-1, -1, -1], max = [1, 1, 1], scale = 1, albedo = [0.9, 0.8, 0.7] }
-[materials]
-wall = { kind = "diffuse", reflectance = 0.5 }
-[[shapes]]
-kind = "box"
-min = [-1, -1, -1]
-max = [1, 1, 1]
-material = "wall"
-[[lights]]
-kind = "point"
-position = [0, 0, 0]
-power = 1
-"#;
+const EVEN: &str = r#"{ kind = "homogeneous", sigma_a = 0.01, sigma_s = [0.5, 0.4, 0.3] }"#;
+const SMOKE: &str = r#"{ kind = "grid", plume = { resolution = 16 }, min = [-1, 0, -1], max = [1, 2, 1], scale = 1, albedo = [0.9, 0.8, 0.7] }"#;
 
-fn scene(medium: &str) -> Scene<Rgb> {
-    let text = SCENE.replace("MEDIUM", medium);
-    let file = SceneFile::parse(&text, Path::new("memory"), &[]).unwrap();
-    file.build().unwrap()
+fn scene(fog: &str) -> Scene<Rgb> {
+    let file = SceneFile::parse(&cornell_box(fog), Path::new("memory"), &[]);
+    file.and_then(|file| file.build()).expect("a scene")
 }
 
 #[test]
 fn beams_take_no_more_than_is_allowed() {
-    let (even, smoke) = (scene("even"), scene("smoke"));
+    let (even, smoke) = (scene(EVEN), scene(SMOKE));
     let method = PhotonBeams::new().paths(10_000).beam_radius(0.01);
     let pass = |scene, method: PhotonBeams| {
         move |allowed, cx: &PassContext<'_, PassStreams>| {

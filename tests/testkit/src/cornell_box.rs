@@ -1,4 +1,4 @@
-//! The scene of the benches.
+//! The scene of benches, and of what is measured of the heap.
 
 /// The text of a scene file: a Cornell box of side 2, filled with the medium `fog` (the value of
 /// its key, as `{ kind = "homogeneous", sigma_a = 0.02, sigma_s = 0.25 }`), with a ball of glass in it

@@ -92,10 +92,8 @@ fn check(beams: &Beams, ray: &Ray) -> Verdict {
             .size()
             .length(),
     );
-    let thickest: f64 = shapes()
-        .flat_map(|shape| shape.radii)
-        .fold(0.0, f32::max)
-        .into();
+    let at_ends = |shape: &BeamShape| [0.0, f64::from(shape.length)].map(|v| shape.radius(v));
+    let thickest = shapes().flat_map(at_ends).fold(0.0, f64::max);
     let mut verdict = Verdict {
         near: 0,
         shown: shown.len(),
@@ -374,7 +372,8 @@ fn crossing(ray: &Ray, shape: &BeamShape) -> Option<f64> {
     (on_both && (w + v * e - t * d).length() < shape.radius(v)).then_some(v)
 }
 
-/// Little is shown in vain: what the grid of a leaf adds to radii.
+/// Little is shown in vain: what the grid of a leaf adds to radii. Half the diagonal of a cell is up to
+/// 8.5e-4 of a leaf, whose pieces fill a tenth of the scene or two: up to 2 % of a radius of 0.01.
 #[test]
 fn few_are_shown_that_are_not_near() {
     let mut random = rng(37);
