@@ -3,15 +3,17 @@
 mod batch;
 mod cut;
 mod leaf;
+mod lines;
 mod segment;
 mod shape;
 
 use crate::tree::Tree;
 use crate::{BrokenTree, BuildError, LANES};
-use batch::Batch;
+use batch::{Batch, Pieces};
 use fearless_simd::{Level, Simd, dispatch};
 use glam::Vec3;
-use leaf::{Block, Leaf, Line, Part};
+use leaf::{Leaf, Line, Part, Slot};
+use lines::{Ball, Lines};
 use rayon::prelude::*;
 use segment::Segment;
 pub use shape::{BeamShape, Piece};
@@ -46,7 +48,9 @@ use tyndall_core::{Aabb, Ray};
 pub struct Beams {
     tree: Tree,
     leaves: Vec<Leaf>,
-    blocks: Vec<Block>,
+    slots: Vec<Slot>,
+    /// Of the same pieces, in blocks.
+    lines: Vec<Lines>,
     shapes: Vec<BeamShape>,
 }
 
@@ -65,6 +69,7 @@ fn segment(shape: &BeamShape, steps: [u16; 2]) -> Segment {
     Segment {
         ends: [start, end].map(|v| shape.at(v)),
         radius: shape.radius(start).max(shape.radius(end)),
+        direction: shape.direction.as_dvec3().normalize(),
     }
 }
 
@@ -88,11 +93,13 @@ impl Beams {
         let mut grown = cut::grow(shapes);
         grown.nodes.shrink_to_fit();
         grown.leaves.shrink_to_fit();
-        grown.blocks.shrink_to_fit();
+        grown.slots.shrink_to_fit();
+        grown.lines.shrink_to_fit();
         Ok(Self {
             tree: Tree { nodes: grown.nodes },
             leaves: grown.leaves,
-            blocks: grown.blocks,
+            slots: grown.slots,
+            lines: grown.lines,
             shapes: shapes.to_vec(),
         })
     }
@@ -117,17 +124,22 @@ impl Beams {
     fn slots_near_by<S: Simd>(&self, simd: S, ray: &Ray, visit: &mut dyn FnMut(&[u32])) {
         let line = Line::new(simd, ray);
         let mut batch = Batch::new();
+        let pieces = Pieces {
+            leaves: &self.leaves,
+            slots: &self.slots,
+            lines: &self.lines,
+        };
         self.tree.traverse(
             ray,
             #[inline(always)]
             |leaf| {
-                batch.push(&self.leaves[leaf], &self.blocks, &line);
+                batch.push(pieces, leaf, &line);
                 if batch.is_full() {
-                    visit(batch.run(&self.blocks, &line));
+                    visit(batch.run(pieces, &line));
                 }
             },
         );
-        visit(batch.run(&self.blocks, &line));
+        visit(batch.run(pieces, &line));
     }
 
     /// As [`Beams::near`], for a point.
@@ -138,7 +150,7 @@ impl Beams {
 
     #[inline]
     fn piece(&self, slot: usize) -> Piece {
-        let Part { beam, numbers } = self.blocks[slot / LANES].part(slot % LANES);
+        let Part { beam, numbers } = self.slots[slot].part;
         let shape = &self.shapes[beam as usize];
         let [start, end] = numbers.map(|number| bound(shape, number));
         Piece {
@@ -177,7 +189,8 @@ impl Beams {
     pub fn bytes(&self) -> usize {
         self.tree.bytes()
             + size_of_val(self.leaves.as_slice())
-            + size_of_val(self.blocks.as_slice())
+            + size_of_val(self.slots.as_slice())
+            + size_of_val(self.lines.as_slice())
             + size_of_val(self.shapes.as_slice())
     }
 
@@ -188,7 +201,7 @@ impl Beams {
     /// The first fault found.
     pub fn validate(&self) -> Result<(), BrokenTree> {
         let slots = || self.leaves.iter().flat_map(Leaf::slots);
-        let mut parts: Vec<_> = slots().map(|slot| self.part(slot)).collect();
+        let mut parts: Vec<_> = slots().map(|slot| self.slots[slot].part).collect();
         parts.sort_unstable_by_key(|part| (part.beam, part.numbers));
         let mut rest = parts.as_slice();
         for (beam, shape) in self.shapes.iter().enumerate() {
@@ -213,8 +226,16 @@ impl Beams {
             });
         }
         for leaf in &self.leaves {
-            let loose = |&slot: &usize| !leaf.holds(&self.blocks, slot, &self.segment(slot));
-            if let Some(slot) = leaf.slots().find(loose) {
+            let segments: Vec<_> = leaf.slots().map(|slot| self.segment(slot)).collect();
+            let around = leaf.ball == Ball::around(&segments);
+            let blocks: Vec<_> = segments.chunks(LANES).collect();
+            let first = leaf.first as usize;
+            let lines = |block: usize| leaf.ball.lines(blocks[block]) == self.lines[first + block];
+            let mut pieces = leaf.slots().zip(&segments).enumerate();
+            let loose = pieces.find(|(piece, (slot, segment))| {
+                !(around && lines(piece / LANES) && leaf.holds(&self.slots, *slot, segment))
+            });
+            if let Some((_, (slot, _))) = loose {
                 return Err(BrokenTree::Capsule { slot });
             }
         }
@@ -226,12 +247,8 @@ impl Beams {
         })
     }
 
-    fn part(&self, slot: usize) -> Part {
-        self.blocks[slot / LANES].part(slot % LANES)
-    }
-
     fn segment(&self, slot: usize) -> Segment {
-        let Part { beam, numbers } = self.part(slot);
+        let Part { beam, numbers } = self.slots[slot].part;
         segment(&self.shapes[beam as usize], numbers)
     }
 }
@@ -258,15 +275,15 @@ mod tests {
             spoil(&mut beams);
             beams.validate()
         };
-        let Part { beam, numbers } = beams.part(7);
+        let Part { beam, numbers } = beams.slots[7].part;
         let beam = beam as usize;
         let piece = Err(BrokenTree::Piece { beam });
         let longer = [numbers[0], numbers[1] + 1];
-        assert_eq!(broken(&|beams| beams.blocks[0].numbers[7] = longer), piece);
+        assert_eq!(broken(&|beams| beams.slots[7].part.numbers = longer), piece);
         let [first, last] = [0, 99].map(|beam| Err(BrokenTree::Piece { beam }));
-        let twice = broken(&|beams| beams.blocks[0].beams[7] = 99);
+        let twice = broken(&|beams| beams.slots[7].part.beam = 99);
         assert!([piece, last].contains(&twice), "{twice:?}");
-        let none = broken(&|beams| beams.blocks[0].beams[7] = 1 << 20);
+        let none = broken(&|beams| beams.slots[7].part.beam = 1 << 20);
         assert!([piece, Err(BrokenTree::Piece { beam: 1 << 20 })].contains(&none));
         let missing = broken(&|beams| beams.shapes.push(shapes[0]));
         assert_eq!(missing, Err(BrokenTree::Piece { beam: 100 }));
@@ -275,8 +292,12 @@ mod tests {
         let capsule = |result| matches!(result, Err(BrokenTree::Capsule { .. }));
         let wider = broken(&|beams| beams.shapes[beam].radii[1] = 1.0);
         assert!(capsule(wider), "{wider:?}");
-        let moved = broken(&|beams| beams.blocks[0].ends[1][7] ^= 1 << 8);
+        let moved = broken(&|beams| beams.slots[7].ends[1] ^= 1 << 8);
         assert_eq!(moved, Err(BrokenTree::Capsule { slot: 7 }));
+        let aside = broken(&|beams| beams.lines[0] = beams.lines[1].clone());
+        assert_eq!(aside, Err(BrokenTree::Capsule { slot: 0 }));
+        let elsewhere = broken(&|beams| beams.leaves[0].ball = Ball::around(&[beams.segment(99)]));
+        assert_eq!(elsewhere, Err(BrokenTree::Capsule { slot: 0 }));
         let far = BeamShape {
             origin: Vec3::Y,
             ..shapes[0]

@@ -59,9 +59,11 @@
 //!   vectors as they came out, whose distance depends on that place by its own sine, 8u·l + 3u·r in
 //!   all. The way back from the ray to the piece, which matters at the ends of the ray, is off by
 //!   30u·w + 18u·l. Together 45u·w, 42u·l, 2u·a and 10u·r; and w, not known when the piece is stored,
-//!   is at most l and r more than its part along the ray. Most pieces are told by their lines before:
-//!   |w·n| > r|n|, n the cross product of ray and piece. It is off by 6u·l, the product by 11u·w·l
-//!   and 2u·a|n|, squares by 3u; 50u·w·l are taken off. Where w < r there is nothing to tell.
+//!   is at most l and r more than its part along the ray. Most pieces are
+//!   ruled out by their lines before, in whole numbers, 27,000 for the radius of a ball around their
+//!   leaf, which lose 2e-4 of it. The moment of a ray about the centre of the ball, w away, is off by
+//!   12u·w, and what of it is more than the radius is cut off: of a ray that does pass through, 21u·w.
+//!   50u·w are allowed.
 //! - The same tree on any number of threads.
 //!
 //! # Cost
@@ -71,9 +73,9 @@
 //! cube root of their number. Memory: 23 bytes a disc, 24 in [`Quality::High`] (16 the disc, 4 its
 //! order, the rest spheres and nodes).
 //!
-//! Beams: 44 bytes a beam (its shape) and 21 to 24 a piece (8 its ends, 4 its beam, 4 its part of
-//! it, the rest leaves, of 40 pieces on the mean, and nodes), with 16 pieces a beam at most on the
-//! mean. Space is cut where rays are then shown the fewest pieces, beams with it, as in Stich,
+//! Beams: 44 bytes a beam (its shape) and 33 to 36 a piece (12 its line, 8 its ends, 4 its beam, 4
+//! its part of it, the rest leaves, of 40 pieces on the mean, and nodes), with 12 pieces a beam at
+//! most on the mean. Space is cut where rays are then shown the fewest pieces, beams with it, as in Stich,
 //! Friedrich & Dietrich 2009: bundles along an axis are parted without a cut, and what is much larger
 //! than the rest gets a leaf of its own. Where beams get thinner as they get more, so that a ray meets
 //! the same number, its time grows with less than their number (README).

@@ -1,9 +1,11 @@
-//! Leaves: pieces eight side by side, and how near a ray comes to them.
+//! Leaves: pieces on a grid, and how near a ray comes to eight of them.
 
 use super::Segment;
+use super::lines::Ball;
 use crate::{LANES, LEAF};
 use fearless_simd::{Simd, f32x8, i32x8, prelude::*};
 use glam::{DVec3, Vec3};
+use std::ops::Range;
 use tyndall_core::Ray;
 
 /// Bits of a coordinate. Of three, two are left over.
@@ -20,27 +22,25 @@ pub(super) struct Leaf {
     /// The grid.
     corner: Vec3,
     step: f32,
+    pub(super) ball: Ball,
     /// Its first block.
     pub(super) first: u32,
     pub(super) pieces: u32,
     /// The largest reach of each block: a radius, with how far the ends are off the grid and what
     /// rounding may do, but for that which grows with the distance of a ray.
-    reach: [f32; LEAF / LANES],
+    pub(super) reach: [f32; LEAF / LANES],
 }
 
-/// Eight pieces.
-#[derive(Clone, Debug)]
-#[repr(align(128))]
-pub(super) struct Block {
-    /// Where they start and end: x, y and z, the first in the lowest bits, and a half of the part of
+/// A piece as rays see it first.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Slot {
+    /// Where it starts and ends: x, y and z, the first in the lowest bits, and a half of the part of
     /// the reach.
-    pub(super) ends: [[i32; LANES]; 2],
-    pub(super) beams: [u32; LANES],
-    /// Of what part of its beam each is: see [`bound`](super::bound).
-    pub(super) numbers: [[u16; 2]; LANES],
+    pub(super) ends: [i32; 2],
+    pub(super) part: Part,
 }
 
-/// What a slot holds: a beam, and which part of it.
+/// A beam, and which part of it: see [`bound`](super::bound).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Part {
     pub(super) beam: u32,
@@ -48,15 +48,13 @@ pub(super) struct Part {
 }
 
 /// Of distances, relative to those to the origin of the ray: 50u, as the crate doc counts.
-const ROUNDING: f32 = 3e-6;
+pub(super) const ROUNDING: f32 = 3e-6;
 /// More than what squares lose when they underflow.
-const UNDERFLOW: f64 = 1e-18;
-/// Square of a length below which that of a piece would lose digits.
-const SHORT: f32 = 1e-30;
+pub(super) const UNDERFLOW: f64 = 1e-18;
 
 impl Leaf {
-    /// Of so many pieces as there are segments, and its blocks, of which it is told the first.
-    pub(super) fn new(parts: &[Part], segments: &[Segment], first: u32) -> (Self, Vec<Block>) {
+    /// Of so many pieces as there are segments, and its slots, of which it is told the first block.
+    pub(super) fn new(parts: &[Part], segments: &[Segment], first: u32) -> (Self, Vec<Slot>) {
         let ends = || segments.iter().flat_map(|segment| segment.ends);
         let corner = ends().fold(DVec3::INFINITY, DVec3::min).as_vec3();
         let corner = corner.map(f32::next_down);
@@ -64,29 +62,27 @@ impl Leaf {
         let mut leaf = Self {
             corner,
             step: ((size.max_element() / f64::from(LAST)) as f32).next_up(),
+            ball: Ball::around(segments),
             first,
             pieces: parts.len() as u32,
             reach: [0.0; LEAF / LANES],
         };
-        let blocks = parts.chunks(LANES).zip(segments.chunks(LANES));
-        let blocks = blocks.enumerate().map(|(block, (parts, segments))| {
-            let mut lanes = Block::EMPTY;
+        let mut slots = vec![Slot::EMPTY; parts.len().next_multiple_of(LANES)];
+        let blocks = slots.chunks_mut(LANES).zip(parts.chunks(LANES));
+        for ((block, (slots, parts)), segments) in blocks.enumerate().zip(segments.chunks(LANES)) {
             let mut reaches = [0.0; LANES];
-            for (lane, (part, segment)) in parts.iter().zip(segments).enumerate() {
-                lanes.beams[lane] = part.beam;
-                lanes.numbers[lane] = part.numbers;
-                for (all, end) in lanes.ends.iter_mut().zip(segment.ends) {
-                    all[lane] = leaf.on_grid(end);
-                }
-                reaches[lane] = leaf.reach_of(segment, lanes.ends.map(|all| all[lane]));
+            for (lane, (&part, segment)) in parts.iter().zip(segments).enumerate() {
+                let ends = segment.ends.map(|end| leaf.on_grid(end));
+                slots[lane] = Slot { ends, part };
+                reaches[lane] = leaf.reach_of(segment, ends);
             }
             let largest = reaches.into_iter().fold(0.0, f64::max) as f32;
             leaf.reach[block] = largest.next_up();
-            lanes.tell(reaches.map(|reach| reach / f64::from(leaf.reach[block])));
-            lanes
-        });
-        let blocks = blocks.collect();
-        (leaf, blocks)
+            for (slot, reach) in slots.iter_mut().zip(reaches) {
+                slot.tell(reach / f64::from(leaf.reach[block]));
+            }
+        }
+        (leaf, slots)
     }
 
     /// The point of the grid next to a place.
@@ -106,7 +102,7 @@ impl Leaf {
     /// How near a ray must come to a piece that is taken for another, but for what rounding adds
     /// with the distance of the ray.
     fn reach_of(&self, segment: &Segment, points: [i32; 2]) -> f64 {
-        let Segment { ends, radius } = segment;
+        let Segment { ends, radius, .. } = segment;
         let off = [0, 1].map(|i| ends[i].distance(self.place(points[i])));
         let of_leaf = f64::from(LAST) * f64::from(self.step);
         let size = 2.0 * (radius + of_leaf + ends[0].distance(ends[1]));
@@ -114,124 +110,120 @@ impl Leaf {
     }
 
     /// Its slots: those behind the last piece of its last block hold nothing.
-    pub(super) fn slots(&self) -> std::ops::Range<usize> {
+    pub(super) fn slots(&self) -> Range<usize> {
         let start = self.first as usize * LANES;
         start..start + self.pieces as usize
     }
 
     /// Whether what is tested for a piece holds a segment.
-    pub(super) fn holds(&self, blocks: &[Block], slot: usize, segment: &Segment) -> bool {
-        let block = &blocks[slot / LANES];
-        let points = block.ends.map(|all| all[slot % LANES]);
+    pub(super) fn holds(&self, slots: &[Slot], slot: usize, segment: &Segment) -> bool {
+        let points = slots[slot].ends;
         let [low, high] = points.map(|point| point >> (3 * BITS) & 3);
         let part = f64::from(low + 4 * high + 1) / f64::from(PARTS);
-        let reach = part * f64::from(self.reach[slot / LANES - self.first as usize]);
+        let reach = part * f64::from(self.reach(slot / LANES));
         self.reach_of(segment, points) <= reach
-    }
-
-    /// The grid as a ray sees it, of all blocks.
-    #[inline(always)]
-    pub(super) fn grid<S: Simd>(&self, line: &Line<S>) -> Grid {
-        let corner = self.corner - line.origin;
-        let size = 3.0 * LAST as f32 * self.step;
-        let to_next = 1.0 / (LAST + 1) as f32;
-        Grid {
-            corner,
-            steps: [1.0, to_next, to_next * to_next].map(|part| self.step * part),
-            reach: 0.0,
-            rounding: ROUNDING * size * (corner.abs().element_sum() + size),
-        }
     }
 
     /// How near the pieces of a block are shown at most.
     #[inline(always)]
-    pub(super) fn reach(&self, block: usize) -> f32 {
-        self.reach[block]
+    fn reach(&self, block: usize) -> f32 {
+        self.reach[block - self.first as usize]
+    }
+
+    /// A bit for each piece of a block that is there.
+    #[inline(always)]
+    pub(super) fn lanes(&self, block: usize) -> u32 {
+        let before = (block - self.first as usize) * LANES;
+        0xff >> LANES.saturating_sub(self.pieces as usize - before)
+    }
+
+    /// Its blocks.
+    #[inline(always)]
+    pub(super) fn blocks(&self) -> Range<usize> {
+        let first = self.first as usize;
+        first..first + (self.pieces as usize).div_ceil(LANES)
     }
 }
 
-/// A grid from the origin of a ray, and how near the pieces of a block are shown.
-#[derive(Clone, Copy, Default)]
-pub(super) struct Grid {
-    corner: Vec3,
-    /// Along each axis, in the unit of [`axes`].
-    steps: [f32; 3],
-    pub(super) reach: f32,
-    /// What rounding may do to a product of a place, a piece and a direction.
-    rounding: f32,
-}
-
-impl Block {
-    const EMPTY: Self = Self {
-        ends: [[0; LANES]; 2],
-        beams: [0; LANES],
-        numbers: [[0; 2]; LANES],
+impl Slot {
+    pub(super) const EMPTY: Self = Self {
+        ends: [0; 2],
+        part: Part {
+            beam: 0,
+            numbers: [0; 2],
+        },
     };
 
-    /// Notes the reach of each piece, as a share of that of the block, rounded up.
-    fn tell(&mut self, shares: [f64; LANES]) {
-        for (lane, share) in shares.into_iter().enumerate() {
-            let part = (share * f64::from(PARTS)).ceil() as i32 - 1;
-            let part = part.clamp(0, PARTS - 1);
-            self.ends[0][lane] |= (part & 3) << (3 * BITS);
-            self.ends[1][lane] |= (part >> 2) << (3 * BITS);
-        }
+    /// Notes the reach, as a share of that of the block, rounded up.
+    fn tell(&mut self, share: f64) {
+        let part = (share * f64::from(PARTS)).ceil() as i32 - 1;
+        let part = part.clamp(0, PARTS - 1);
+        self.ends[0] |= (part & 3) << (3 * BITS);
+        self.ends[1] |= (part >> 2) << (3 * BITS);
     }
+}
 
-    #[inline]
-    pub(super) fn part(&self, lane: usize) -> Part {
-        Part {
-            beam: self.beams[lane],
-            numbers: self.numbers[lane],
-        }
-    }
+/// Eight pieces of any leaves.
+pub(super) struct Eight {
+    ends: [[i32; LANES]; 2],
+    /// Of their grids.
+    corner: [[f32; LANES]; 3],
+    step: [f32; LANES],
+    /// Of their blocks.
+    reach: [f32; LANES],
+}
 
-    /// A bit for each piece whose line is near that of the ray: no two of their points are closer
-    /// than the lines are.
-    #[inline(always)] // into code for the level of the machine
-    pub(super) fn lines_near<S: Simd>(&self, line: &Line<S>, grid: Grid) -> u32 {
-        let simd = line.t_max.simd;
-        let [dx, dy, dz] = line.direction;
-        let ([x, y, z], [ex, ey, ez]) = self.segments(simd, grid);
-        let nx = dy * ez - dz * ey;
-        let ny = dz * ex - dx * ez;
-        let nz = dx * ey - dy * ex;
-        let triple = (x * nx + y * ny + z * nz).abs();
-        let n2 = nx * nx + ny * ny + nz * nz;
-        let apart = (triple - grid.rounding).max(f32x8::splat(simd, 0.0));
-        let most = (n2 + SHORT) * (grid.reach * grid.reach) + f32::MIN_POSITIVE;
-        (apart * apart).simd_le(most).to_bitmask() as u32
-    }
-
-    /// Starts from the origin of the ray, and pieces from start to end.
+impl Eight {
     #[inline(always)]
-    fn segments<S: Simd>(&self, simd: S, grid: Grid) -> ([f32x8<S>; 3], [f32x8<S>; 3]) {
-        let [start, end] = [axes(simd, &self.ends[0]), axes(simd, &self.ends[1])];
-        let [to_x, to_y, to_z] = grid.steps;
-        let x = start[0] * to_x + grid.corner.x;
-        let y = start[1] * to_y + grid.corner.y;
-        let z = start[2] * to_z + grid.corner.z;
-        let ex = (end[0] - start[0]) * to_x;
-        let ey = (end[1] - start[1]) * to_y;
-        let ez = (end[2] - start[2]) * to_z;
-        ([x, y, z], [ex, ey, ez])
+    pub(super) fn new() -> Self {
+        Self {
+            ends: [[0; LANES]; 2],
+            corner: [[0.0; LANES]; 3],
+            step: [0.0; LANES],
+            reach: [0.0; LANES],
+        }
     }
 
-    /// A bit for each piece that the ray comes near: closest points of two segments (Ericson 2005,
+    #[inline(always)]
+    pub(super) fn set(&mut self, lane: usize, leaf: &Leaf, slot: &Slot, block: usize) {
+        for (all, end) in self.ends.iter_mut().zip(slot.ends) {
+            all[lane] = end;
+        }
+        for (all, corner) in self.corner.iter_mut().zip(leaf.corner.to_array()) {
+            all[lane] = corner;
+        }
+        self.step[lane] = leaf.step;
+        self.reach[lane] = leaf.reach(block);
+    }
+
+    /// A bit for each that the ray comes near: closest points of two segments (Ericson 2005,
     /// "Real-time collision detection", 5.1.9), by the parts along the ray and across it. The
     /// difference of the origins comes first, and what is across is made from vectors: nothing
     /// cancels where the two are parallel, or far from the origin of the scene.
     #[inline(always)] // into code for the level of the machine
-    pub(super) fn near<S: Simd>(&self, line: &Line<S>, grid: Grid) -> u32 {
-        let simd = line.t_max.simd;
+    pub(super) fn near<S: Simd>(&self, line: &Line<S>) -> u32 {
+        let simd = line.simd;
         let [dx, dy, dz] = line.direction;
-        let ([x, y, z], [ex, ey, ez]) = self.segments(simd, grid);
-        let starts = i32x8::from_slice(simd, &self.ends[0]) >> (3 * BITS as u32);
-        let ends = i32x8::from_slice(simd, &self.ends[1]) >> (3 * BITS as u32);
+        let [starts, ends] = self
+            .ends
+            .each_ref()
+            .map(|ends| i32x8::from_slice(simd, ends));
+        let [sx, sy, sz] = axes(starts);
+        let [tx, ty, tz] = axes(ends);
+        let [cx, cy, cz] = self.corner.each_ref().map(|c| f32x8::from_slice(simd, c));
+        let step = f32x8::from_slice(simd, &self.step);
+        let (to_y, to_z) = (step * NEXT, step * (NEXT * NEXT));
+        let x = sx * step + (cx - line.origin.x);
+        let y = sy * to_y + (cy - line.origin.y);
+        let z = sz * to_z + (cz - line.origin.z);
+        let ex = (tx - sx) * step;
+        let ey = (ty - sy) * to_y;
+        let ez = (tz - sz) * to_z;
         let three = i32x8::splat(simd, 3);
-        let part =
-            (starts & three).to_float::<f32x8<S>>() + (ends & three).to_float::<f32x8<S>>() * 4.0;
-        let reach = (part + 1.0) * (grid.reach / PARTS as f32);
+        let [low, high] =
+            [starts, ends].map(|all| -> f32x8<S> { (all >> (3 * BITS as u32) & three).to_float() });
+        let part = (low + high * 4.0 + 1.0) * (1.0 / PARTS as f32);
+        let reach = part * f32x8::from_slice(simd, &self.reach);
         let zero = f32x8::splat(simd, 0.0);
         let one = f32x8::splat(simd, 1.0);
         // So far along the ray, and across it.
@@ -259,17 +251,18 @@ impl Block {
 
 /// The axes of eight points of a grid, each in its own unit: they stay where they are in an integer.
 #[inline(always)]
-fn axes<S: Simd>(simd: S, points: &[i32; LANES]) -> [f32x8<S>; 3] {
-    let points = i32x8::from_slice(simd, points);
-    let x = (points & i32x8::splat(simd, LAST)).to_float();
-    let y = (points & i32x8::splat(simd, LAST << BITS)).to_float();
-    let z = (points & i32x8::splat(simd, LAST << (2 * BITS))).to_float();
-    [x, y, z]
+fn axes<S: Simd>(points: i32x8<S>) -> [f32x8<S>; 3] {
+    [0, 1, 2].map(|axis| (points & i32x8::splat(points.simd, LAST << (axis * BITS))).to_float())
 }
 
-/// A ray, prepared for [`Block::near`].
+/// The unit of an axis over that of the one before.
+const NEXT: f32 = 1.0 / (1 << BITS) as f32;
+
+/// A ray, prepared for [`Eight::near`].
 pub(super) struct Line<S: Simd> {
-    origin: Vec3,
+    pub(super) simd: S,
+    pub(super) origin: Vec3,
+    pub(super) toward: Vec3,
     direction: [f32x8<S>; 3],
     t_max: f32x8<S>,
 }
@@ -279,7 +272,9 @@ impl<S: Simd> Line<S> {
     pub(super) fn new(simd: S, ray: &Ray) -> Self {
         let d = ray.direction;
         Self {
+            simd,
             origin: ray.origin,
+            toward: d,
             direction: [
                 f32x8::splat(simd, d.x),
                 f32x8::splat(simd, d.y),

@@ -7,6 +7,8 @@ use tyndall_core::Aabb;
 pub(super) struct Segment {
     pub ends: [DVec3; 2],
     pub radius: f64,
+    /// Where its beam goes, of length 1.
+    pub direction: DVec3,
 }
 
 impl Segment {
