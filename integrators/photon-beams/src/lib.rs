@@ -45,7 +45,7 @@
 //!
 //! # Cost
 //! Linear in light paths; a ray costs what it meets, and the pieces of beams near to it. A beam of
-//! three channels takes 56 bytes and 21 to 24 a piece, of which it has 16 at most on the mean; in
+//! three channels takes 56 bytes and 33 to 36 a piece, of which it has 12 at most on the mean; in
 //! media that vary 16 more for each flight along it. [`Pass::bytes`] tells.
 //!
 //! # References
