@@ -78,7 +78,7 @@ impl Batch {
         self.waits = 0;
         let mut met = 0;
         for start in (0..added).step_by(LANES) {
-            let mut eight = Eight::new();
+            let mut eight = Eight::default();
             let mut slots = [0; LANES];
             for (lane, slot) in slots.iter_mut().enumerate() {
                 let at = (start + lane).min(added - 1);

@@ -164,6 +164,7 @@ impl Slot {
 }
 
 /// Eight pieces of any leaves.
+#[derive(Default)]
 pub(super) struct Eight {
     ends: [[i32; LANES]; 2],
     /// Of their grids.
@@ -174,16 +175,6 @@ pub(super) struct Eight {
 }
 
 impl Eight {
-    #[inline(always)]
-    pub(super) fn new() -> Self {
-        Self {
-            ends: [[0; LANES]; 2],
-            corner: [[0.0; LANES]; 3],
-            step: [0.0; LANES],
-            reach: [0.0; LANES],
-        }
-    }
-
     #[inline(always)]
     pub(super) fn set(&mut self, lane: usize, leaf: &Leaf, slot: &Slot, block: usize) {
         for (all, end) in self.ends.iter_mut().zip(slot.ends) {
