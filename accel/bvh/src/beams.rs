@@ -227,15 +227,12 @@ impl Beams {
         }
         for leaf in &self.leaves {
             let segments: Vec<_> = leaf.slots().map(|slot| self.segment(slot)).collect();
-            let around = leaf.ball == Ball::around(&segments);
-            let blocks: Vec<_> = segments.chunks(LANES).collect();
-            let first = leaf.first as usize;
-            let lines = |block: usize| leaf.ball.lines(blocks[block]) == self.lines[first + block];
-            let mut pieces = leaf.slots().zip(&segments).enumerate();
-            let loose = pieces.find(|(piece, (slot, segment))| {
-                !(around && lines(piece / LANES) && leaf.holds(&self.slots, *slot, segment))
-            });
-            if let Some((_, (slot, _))) = loose {
+            let mut lines = leaf.blocks().zip(segments.chunks(LANES));
+            let screened = leaf.ball == Ball::around(&segments)
+                && lines.all(|(block, pieces)| self.lines[block] == leaf.ball.lines(pieces));
+            let holds = |slot, segment| screened && leaf.holds(&self.slots, slot, segment);
+            let mut pieces = leaf.slots().zip(&segments);
+            if let Some((slot, _)) = pieces.find(|&(slot, segment)| !holds(slot, segment)) {
                 return Err(BrokenTree::Capsule { slot });
             }
         }

@@ -201,10 +201,7 @@ impl Set {
             let [a, b] = item.ends.map(Vec3A::from);
             let along = b - a;
             let share = ((Vec3A::from(center) - a) / along).to_array();
-            let (min, max) = (
-                item.ends[0].min(item.ends[1]),
-                item.ends[0].max(item.ends[1]),
-            );
+            let Aabb { min, max } = item.bounds();
             for (axis, [low, high]) in sides.iter_mut().enumerate() {
                 if max[axis] <= center[axis] {
                     low.add(a, b);

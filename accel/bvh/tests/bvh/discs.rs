@@ -1,7 +1,7 @@
 //! Discs.
 
 use crate::oracle::{Verdict, check_along, check_chords};
-use crate::scenes::{PLACES, Places, centers, radii, ray};
+use crate::scenes::{PLACES, Places, centers, no_rays, radii, ray};
 use glam::Vec3;
 use tyndall_bvh::{BuildError, Discs, Quality};
 use tyndall_core::{Ray, Sampler};
@@ -213,13 +213,7 @@ fn radius_zero_is_never_met() {
 #[test]
 fn rays_that_are_no_rays_meet_nothing() {
     let discs = build(&[Vec3::ZERO; 9], &[1.0; 9], Quality::Fast);
-    for ray in [
-        Ray::new(Vec3::NAN, Vec3::Z),
-        Ray::new(Vec3::ZERO, Vec3::NAN),
-        Ray::new(Vec3::INFINITY, Vec3::Z),
-        Ray::new(Vec3::ZERO, Vec3::Z).up_to(f32::NAN),
-        Ray::new(Vec3::ZERO, Vec3::Z).up_to(-1.0),
-    ] {
+    for ray in no_rays() {
         discs.along(&ray, |_, _, _| panic!("met by {ray:?}"));
         discs.chords(&ray, |_, _, _| panic!("met by {ray:?}"));
     }

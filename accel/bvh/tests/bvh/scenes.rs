@@ -80,3 +80,14 @@ pub(crate) fn ray(targets: &[(Vec3, f32)], size: f32, random: &mut TestSampler) 
     };
     Ray::new(through - distance * direction, direction).up_to(t_max)
 }
+
+/// Rays without a place, without a direction, or that end before they start.
+pub(crate) fn no_rays() -> [Ray; 5] {
+    [
+        Ray::new(Vec3::NAN, Vec3::Z),
+        Ray::new(Vec3::ZERO, Vec3::NAN),
+        Ray::new(Vec3::INFINITY, Vec3::Z),
+        Ray::new(Vec3::ZERO, Vec3::Z).up_to(f32::NAN),
+        Ray::new(Vec3::ZERO, Vec3::Z).up_to(-1.0),
+    ]
+}

@@ -1,7 +1,7 @@
 //! Beams at the ends of what numbers hold, and beyond.
 
 use super::{GRID, SLACK, build, check, check_all, cones, distance, scaled};
-use crate::scenes::{PLACES, Places, direction, radii};
+use crate::scenes::{PLACES, Places, direction, no_rays, radii};
 use glam::Vec3;
 use tyndall_bvh::{BeamShape, Beams, BuildError, Piece};
 use tyndall_core::{Ray, Sampler};
@@ -227,13 +227,7 @@ fn rays_that_are_no_rays_meet_nothing() {
     let mut random = rng(41);
     let shapes = cones(Places::Coincident, 9, 1.0, 1.0, &mut random);
     let beams = build(&shapes);
-    for ray in [
-        Ray::new(Vec3::NAN, Vec3::Z),
-        Ray::new(Vec3::ZERO, Vec3::NAN),
-        Ray::new(Vec3::INFINITY, Vec3::Z),
-        Ray::new(Vec3::ZERO, Vec3::Z).up_to(f32::NAN),
-        Ray::new(Vec3::ZERO, Vec3::Z).up_to(-1.0),
-    ] {
+    for ray in no_rays() {
         beams.near(&ray, |_| panic!("met by {ray:?}"));
     }
 }
